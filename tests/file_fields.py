@@ -63,7 +63,12 @@ def text_with(kind, path, value):
             place[name] = [_needed(model)]
         place = place[name][0] if isinstance(place[name], list) else place[name]
     place[inner[-1]] = value
-    return "\n".join(f"{key} = {_toml(one)}" for key, one in content.items())
+    return toml_text(content)
+
+
+def toml_text(content):
+    """Content as a file, each section in one line."""
+    return "\n".join(f"{key} = {_value(one)}" for key, one in content.items())
 
 
 def tells(answer, *places):
@@ -111,11 +116,11 @@ def _needed(model):
     return found
 
 
-def _toml(value):
+def _value(value):
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{json.dumps(k)} = {_toml(v)}" for k, v in value.items()) + "}"
+        return "{" + ", ".join(f"{json.dumps(k)} = {_value(v)}" for k, v in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(map(_toml, value)) + "]"
+        return "[" + ", ".join(map(_value, value)) + "]"
     return json.dumps(value)
 
 

@@ -23,6 +23,7 @@ from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.throw_file import ThrowFile, load_study
+from crankfem.files.engine.used_values import USES, not_used
 from crankfem.files.engine.usual_parts import POISSON, first_nodes, near_angles, study_warnings
 from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.hinge_file import SECTIONS as HINGE_SECTIONS
@@ -138,6 +139,8 @@ class CheckedFile:
         Name to throw, where throws have names; the first then is that at the free end.
     material : Material
         Of the throws.
+    not_used : dict
+        Command to the sections and fields of the file that it does not use.
     """
 
     path: Path
@@ -152,6 +155,7 @@ class CheckedFile:
     warnings: tuple[str, ...] = ()
     throws: dict[str, CrankThrow] = field(default_factory=dict)
     material: Material = STEEL
+    not_used: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def check_file(given: str | TomlFile) -> CheckedFile:
@@ -168,6 +172,14 @@ def check_file(given: str | TomlFile) -> CheckedFile:
         With one sentence that names the field, what was given and what is allowed.
     """
     content = given if isinstance(given, TomlFile) else any_sections(given)
+    checked = _checked(given, content)
+    if content is None:
+        return checked
+    unused = {name: not_used(content, name) for name in checked.commands if name in USES}
+    return replace(checked, not_used=unused)
+
+
+def _checked(given: str | TomlFile, content: TomlFile | None) -> CheckedFile:
     if content is None or file_kind(content) == "chain":
         return _chain(load_chain(content or given))
     if file_kind(content) == "hinge":
@@ -196,7 +208,7 @@ def check_record(checked: CheckedFile) -> Record:
         "engine": checked.name,
         "valid": True,
         "file": str(checked.path),
-        **attributes(checked, "kind", "sections", "commands", "remarks", "warnings"),
+        **attributes(checked, "kind", "sections", "commands", "not_used", "remarks", "warnings"),
         "arrangement": checked.engine,
         **_throw_record(checked.throw, checked.material),
         "inputs": checked.inputs,

@@ -13,7 +13,7 @@ from crankbase.input_file import STEP_ENDINGS
 from crankbase.model import limits_of, range_text
 from crankbase.quantity import format_quantity, parse_quantity
 from crankfem.cli import console
-from crankfem.files.engine.throw_file import load_throw, names_of_throws
+from crankfem.files.engine.throw_file import load_throw, names_of_throws, unused_throws
 from crankfem.files.reading.toml_file import TomlFile
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
@@ -97,12 +97,13 @@ def select_throw(
     quiet : bool
         Whether to omit notes.
     """
-    if name is None:
-        first, *others = names_of_throws(engine)
-        if others:
-            console.print_note(
-                f"Note: throw {first} is used; the file has {', '.join(others)} too.", quiet
-            )
+    first, *others = names_of_throws(engine)
+    if name is None and others:
+        console.print_note(
+            f"Note: throw {first} is used; the file has {', '.join(others)} too.", quiet
+        )
+    if console.output.not_used is not None:
+        console.output.not_used += unused_throws(engine, name or first)
     return load_throw(engine, name)
 
 

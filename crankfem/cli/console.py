@@ -53,9 +53,12 @@ class Terminal(Console):
     ----------
     printed : int
         Lines of the paragraphs of this command so far.
+    not_used : list of str or None
+        What the command does not use of its file, for JSON; None without a file.
     """
 
     printed = 0
+    not_used: "list[str] | None" = None
 
     def render_str(self, text: str, **options: Any) -> Text:
         """Return a text for display."""
@@ -81,7 +84,10 @@ def print_json(content: "dict[str, Any] | Result") -> None:
     from crankbase.results import json_text
     from crankfem.analyses.record import with_units
 
-    sys.stdout.write(json_text(with_units(content), indent=1))
+    record = with_units(content)
+    if output.not_used is not None:
+        record["not_used"] = output.not_used
+    sys.stdout.write(json_text(record, indent=1))
 
 
 def print_line(text: str) -> None:

@@ -86,14 +86,6 @@ class Formula(Answer):
     source: str
 
 
-class Formulas(Answer):
-    """All published formulas for a throw."""
-
-    axial: list[Formula]
-    torsional: list[Formula]
-    left_out: list[dict[str, str]]
-
-
 class Banded(Answer):
     """A value [SI] and the ends of its band, None where it has none."""
 
@@ -102,6 +94,16 @@ class Banded(Answer):
     upper: float | None
     unit: str
     support: str
+
+
+class Formulas(Answer):
+    """All published formulas for a throw, and the law where it covers the throw."""
+
+    axial: list[Formula]
+    torsional: list[Formula]
+    law: dict[str, Banded] | None
+    left_out: list[dict[str, str]]
+    not_used: list[str]
 
 
 Components = list[float] | list[list[float]]
@@ -150,6 +152,7 @@ class Law(Answer):
     nearest_limit: str
     ranges: dict[str, LawRange] | None
     slopes: dict[str, float] | None
+    not_used: list[str]
     remarks: list[str]
 
 

@@ -105,15 +105,20 @@ MOST_LISTS, MOST_TEXTS = 500, 25_000
 UNIT_FORCE = 1e5  # towards the shaft [N]
 
 
-class ThrowQuestion(InputModel):
-    """A throw and its material."""
+class DimensionsQuestion(InputModel):
+    """A throw."""
 
     throw: dict[str, Any] = Field(description="dimensions of the throw")
-    material: dict[str, Any] | None = Field(None, description="of the throw; steel by default")
 
     def read_throw(self) -> CrankThrow:
         """Return the throw."""
         return read_record(CrankThrow, self.throw, "throw")
+
+
+class ThrowQuestion(DimensionsQuestion):
+    """A throw and its material."""
+
+    material: dict[str, Any] | None = Field(None, description="of the throw; steel by default")
 
     def read_material(self) -> Material:
         """Return the material."""
@@ -121,7 +126,7 @@ class ThrowQuestion(InputModel):
         return STEEL if material is None else read_record(Material, material, "material")
 
 
-class OutlineQuestion(ThrowQuestion):
+class OutlineQuestion(DimensionsQuestion):
     """A throw and from where to look at it."""
 
     view: Literal["side", "front"] = Field("side", description="from where to look")

@@ -328,7 +328,8 @@ async def evaluate_law(request: Request) -> Response:
         ranges = dimension_ranges(throw) if asked.ranges else None
         slopes = axial_law_slopes(throw, **rigidity) if asked.slopes else None
         found = {"values": values, "reactions": reactions, "ranges": ranges, "slopes": slopes}
-        return answer(shared | found | {"remarks": remarks})
+        told = {"remarks": remarks, "not_used": _without_density(asked)}
+        return answer(shared | found | told)
 
     # A chain of throws takes long enough to hold others up.
     return await to_thread.run_sync(evaluated) if isinstance(support, Neighbors) else evaluated()
@@ -363,4 +364,9 @@ async def evaluate_formulas(request: Request) -> Response:
     """Evaluate all published formulas for a throw."""
     asked = await read_question(request, FormulasQuestion)
     formulas = formulas_of(asked.read_throw(), asked.read_material(), asked.gamma_deg)
-    return answer(formulas.to_record())
+    return answer(formulas.to_record() | {"not_used": _without_density(asked)})
+
+
+def _without_density(asked: ThrowQuestion) -> list[str]:
+    """Name what compliances do not depend on, where it is given."""
+    return ["material.density"] if asked.material is not None else []

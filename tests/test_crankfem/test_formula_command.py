@@ -133,7 +133,7 @@ def test_several_engines_side_by_side(call, monkeypatch, analysis, tmp_path):
     for each, file in zip(engines, both[1:3], strict=True):
         alone = call("formulas", file, "--gamma", "120 deg", "--json").json()
         assert each == {name: alone[name] for name in each}
-        assert set(alone) - set(each) == {"gamma_deg", "constants", "units"}
+        assert set(alone) - set(each) == {"gamma_deg", "constants", "units", "not_used"}
     printed = [line.split() for line in call(*both).out.splitlines()]
     row = next(cells for cells in printed if cells[:1] == ["mine"])
     values = [engines[0]["fe"]["axial"], *(each["value"] for each in engines[0]["axial"])]

@@ -420,10 +420,13 @@ def test_commands_take_the_throw_they_are_told(call):
         assert answer.err == ""
         told.append(answer.json())
     assert first.json() == told[0] != told[1]
+    # The heavy one is like the plain one.
+    unused = [[n for n in record["not_used"] if n.startswith("throws.")] for record in told]
+    assert unused == [[], ["throws.heavy"]]
     assert call("draw", UNEQUAL, "--throw", "plain", "--json").json()["files"] == [
         "unequal-three-throw-plain.svg"
     ]
-    assert call("formulas", "yamz-5340", "--no-fe").err == ""
+    assert "is used" not in call("formulas", "yamz-5340", "--no-fe").err
 
 
 @pytest.mark.parametrize(

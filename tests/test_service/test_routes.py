@@ -196,6 +196,43 @@ def test_models_are_listed_described_and_looked_up(client, throw):
 
 
 @pytest.mark.slow
+def test_no_dimension_and_no_constant_is_dropped_unsaid(client, throw):
+    """Each changed by 3 %: the answer changes, is refused, or names what it does not use."""
+    steel = STEEL.model_dump()
+
+    def looked_up(throw, material):
+        try:
+            return client.lookup("six", throw=throw, material=material)
+        except InputError as error:
+            return str(error)
+
+    doors = [
+        looked_up,
+        client.validate,
+        lambda *asked: client.formulas(asked[0], material=asked[1]),
+    ]
+    doors.append(lambda *asked: client.law(asked[0], material=asked[1]))
+    for ask in doors:
+        before = ask(throw, steel)
+        named = getattr(before, "not_used", [])
+        assert named == (["material.density"] if hasattr(before, "not_used") else [])
+        unchanged = [
+            f"{section}.{name}"
+            for section, values in (("throw", throw), ("material", steel))
+            for name, value in values.items()
+            if ask(
+                *(
+                    given | ({name: 1.03 * value} if given is values else {})
+                    for given in (throw, steel)
+                )
+            )
+            == before
+        ]
+        # The model of compliances holds no mass.
+        assert unchanged == (named or (["material.density"] if ask is looked_up else []))
+
+
+@pytest.mark.slow
 def test_lookups_that_cannot_be_are_refused_in_a_sentence(client):
     for wrong, said in (
         ({"web_thicknes": 0.07}, "unknown dimension"),

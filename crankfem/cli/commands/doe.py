@@ -51,7 +51,7 @@ def _print(made: "Result", parts: "Iterable[Table | str]", out: Output) -> None:
         print_parts(parts)
 
 
-@with_output(tables=True)
+@with_output(tables=True, source="study")
 def doe(
     study: StudyArgument,
     store: StoreOption = STORE,
@@ -171,7 +171,7 @@ def _run(
     return table
 
 
-@with_output(tables=True)
+@with_output(tables=True, source="study")
 def plan(study: StudyArgument, *, out: Output) -> None:
     """List the designs of a study without computing them."""
     from crankfem.analyses.study.planned_designs import PlannedDesigns
@@ -185,7 +185,7 @@ def plan(study: StudyArgument, *, out: Output) -> None:
     out.show(parts, answer)
 
 
-@with_output(files=True)
+@with_output(files=True, source="study")
 def designs(
     study: StudyArgument,
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder to write to.")],

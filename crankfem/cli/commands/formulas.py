@@ -29,7 +29,7 @@ class _Request:
     out: Output
 
 
-@with_output(units=True)
+@with_output(units=True, source="engines")
 def formulas(
     engines: Annotated[
         list[str] | None,

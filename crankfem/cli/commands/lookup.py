@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 ENDS = "End sections: pinned ones tilt freely, guided ones do not; a throw in a shaft is between the two."
 
 
-@with_output(units=True)
+@with_output(units=True, source="throw")
 def lookup(
     model: ModelArgument,
     dimensions: Annotated[
@@ -255,7 +255,7 @@ def _title(name: str) -> str:
     return name.replace("_", " ")
 
 
-@with_output(units=True)
+@with_output(units=True, source="source engine")
 def optimum(
     source: Annotated[
         str,

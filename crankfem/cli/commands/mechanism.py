@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 ROD_MODELS_FILE = "rod_models.svg"
 
 
-@with_output(files=True, units=True)
+@with_output(files=True, units=True, source="engine")
 def mechanism(
     engine: EngineArgument,
     speed: SpeedOption = None,
@@ -116,7 +116,7 @@ class _Request:
     sums: Path | None
 
 
-@with_output(files=True, units=True)
+@with_output(files=True, units=True, source="source")
 def harmonics(
     source: Annotated[
         str,
@@ -351,7 +351,7 @@ def _check_resolved(orders: float | None, harmonics: "Harmonics") -> None:
 MOST_ORDER = 48.0
 
 
-@with_output(units=True)
+@with_output(units=True, source="engine")
 def two_mass(
     engine: Annotated[
         str,

@@ -4,6 +4,7 @@ import inspect
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import wraps
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +15,7 @@ from crankbase.outputs import replacing_files
 from crankbase.table import OutputUnits, Table, parse_output_units
 from crankfem.cli import console
 from crankfem.cli.commands import completion
+from crankfem.cli.layout import wrapped
 from crankfem.jobs.exit_codes import EXIT_LIMITS, EXIT_UNDECIDED
 
 if TYPE_CHECKING:
@@ -142,7 +144,7 @@ class Output:
 
 
 def with_output(
-    *, units: bool = False, files: bool = False, tables: bool = False
+    *, units: bool = False, files: bool = False, tables: bool = False, source: str = ""
 ) -> Callable[[Command], Command]:
     """Add --json and --quiet to a command behind its own options; it gets all of them as `out`.
 
@@ -154,6 +156,8 @@ def with_output(
         Whether it writes files, and so has --force.
     tables : bool
         Whether it prints many results without quantities, and so has --full.
+    source : str, optional
+        Arguments, between spaces, that are files of sections; what is not used of them is named.
     """
     options: dict[str, tuple[object, object]] = {
         "force": (ForceOption, False),
@@ -182,7 +186,15 @@ def with_output(
         ) -> None:
             console.output.printed = console.errors.printed = 0
             output = Output(parse_output_units(units), json, quiet, force, full)
-            command(**arguments, out=output)
+            note = _name_not_used(command.__name__, source.split(), arguments, output)
+            # Its lines are those of the first screen too.
+            console.errors.printed = len(wrapped(note, console.errors.width)) if note else 0
+            try:
+                command(**arguments, out=output)
+            finally:
+                console.output.not_used = None
+            if note:
+                console.print_note(note)
 
         signature = inspect.signature(command)
         parameters = [
@@ -195,6 +207,37 @@ def with_output(
         return printing
 
     return decorate
+
+
+# Names of what is not used that a note has.
+MOST_NAMES = 6
+
+
+def _name_not_used(
+    name: str, sources: Iterable[str], arguments: dict[str, Any], out: Output
+) -> str:
+    """Keep for JSON what a command does not use of its files; return the note about it, or nothing."""
+    from crankfem.files.engine.used_values import command_use, not_used_of
+
+    files = [
+        file
+        for source in sources
+        for file in (
+            (arguments[source],) if isinstance(arguments[source], str) else arguments[source] or ()
+        )
+    ]
+    unused = {file: not_used_of(file, command_use(name, arguments)) for file in files}
+    read = {file: names for file, names in unused.items() if names is not None}
+    if not read:
+        return ""
+    names = list(dict.fromkeys(chain.from_iterable(read.values())))
+    console.output.not_used = names
+    if not names or out.json or out.quiet:
+        return ""
+    words = [name if "." in name else f"[{name}]" for name in names]
+    shown = words if out.full else words[:MOST_NAMES]
+    more = f" and {len(words) - len(shown)} more (--json)" if len(shown) < len(words) else ""
+    return f"Note: not used of {', '.join(read)}: {', '.join(shown)}{more}."
 
 
 NOT_ACCEPTABLE, UNDECIDED = "not acceptable", "undecided"

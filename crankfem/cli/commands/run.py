@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from crankfem.analyses.run_results import RunResults
 
 
-@with_output(files=True, units=True)
+@with_output(files=True, units=True, source="engine")
 def run(
     engine: EngineArgument,
     output: Annotated[
@@ -147,7 +147,7 @@ def report(
         console.print_path(str(made) if out.quiet else f"Report: {made}")
 
 
-@with_output(files=True, tables=True)
+@with_output(files=True, tables=True, source="engine")
 def class_(
     engine: EngineArgument,
     output: Annotated[

@@ -29,7 +29,7 @@ PinsOption = Annotated[
 ]
 
 
-@with_output(files=True, units=True)
+@with_output(files=True, units=True, source="engine")
 def throw(
     engine: ThrowArgument,
     name: ThrowOption = None,
@@ -172,7 +172,7 @@ def throw(
     out.show(results.parts(out.units, profile=profile), *files, table)
 
 
-@with_output(files=True, units=True)
+@with_output(files=True, units=True, source="engine")
 def stress(
     engine: ThrowArgument,
     name: ThrowOption = None,
@@ -227,7 +227,7 @@ def stress(
         )
 
 
-@with_output(files=True)
+@with_output(files=True, source="engine")
 def export(
     engine: EngineArgument,
     file: Annotated[
@@ -320,7 +320,7 @@ def export(
     print_notes(record.get("remarks", ()))
 
 
-@with_output(files=True)
+@with_output(files=True, source="engine")
 def draw(
     engine: EngineArgument,
     name: ThrowOption = None,

@@ -18,7 +18,7 @@ from crankfem.cli.commands.options import (
 from crankfem.cli.console import print_json
 
 
-@with_output(files=True, units=True)
+@with_output(files=True, units=True, source="engine")
 def vibration(
     engine: Annotated[
         str,

@@ -55,6 +55,16 @@ def names_of_throws(path: str | Path | TomlFile) -> tuple[str, ...]:
     return (first, *(name for name in throws if name != first))
 
 
+def unused_throws(path: str | Path | TomlFile, name: str) -> list[str]:
+    """Name the sections of throws that a throw is not made of; it may be like another one."""
+    throws = engine_sections(path).sections.get("throws", {})
+    used: set[str] = set()
+    while name in throws and name not in used:
+        used.add(name)
+        name = throws[name].get("like", "")
+    return [f"throws.{other}" for other in throws if other not in used]
+
+
 @dataclass(frozen=True)
 class ThrowFile:
     """A file that describes a throw alone, read and checked.

@@ -99,7 +99,7 @@ export class Panel {
 
   async refresh() {
     const question = this.question();
-    const views = ["side", "front"].map((view) => askText("/api/throws/outline", { ...question, view, letters: true }));
+    const views = ["side", "front"].map((view) => askText("/api/throws/outline", { throw: question.throw, view, letters: true }));
     const formulas = askJson("/api/throws/formulas", question);
     const estimate = this.settings.estimate(question).catch((error) => ({ refused: error.message }));
     try {

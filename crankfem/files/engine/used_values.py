@@ -1,0 +1,137 @@
+"""Which values of a file a command uses; the others are named, so that none is dropped unsaid.
+
+`tests/campaigns/doors.py` changes every value of every file for each command, and holds it against `USES`.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from crankbase.errors import InputError
+from crankfem.files.engine.file_kinds import any_sections, file_kind
+from crankfem.files.reading.toml_file import TomlFile
+
+ALL = "*"
+THROW = ("throw", "throws", "shaft.throws")
+ELASTIC = ("material.youngs_modulus", "material.poisson_ratio")
+SHAFT = (*THROW, "shaft", "shaft_ends", "engine.crank_angles")
+MECHANISM = ("engine", "throws", "shaft", "rod", "piston", "hinged_rods", "gas", "load")
+RUNNING = ("engine.lowest_speed", "engine.highest_speed")
+STUDY = (*THROW, "material", "study")
+# Only the run has results of these.
+RUN_ALONE = ("study", "torque", "two_mass_check", "strength")
+# Only the whole crankshaft has these.
+WHOLE = (
+    "shaft_ends",
+    "damping.bending_magnifier",
+    "flywheel.diametral_inertia",
+    "flywheel.overhang",
+    "free_end.diametral_inertia",
+    "bearings.damping",
+    "bearings.variation",
+)
+FREE = ("damping", "loss_factor", "relative_damping", "magnifier", "ground_damping")
+# What natural frequencies of the crankshaft do not depend on, and what those of one kind do not.
+UNFORCED = (
+    *(*RUN_ALONE, *WHOLE, *RUNNING),
+    *("gas", "gas_map", "load", "misfire", "propeller_forces", "limits", "ranges", "damping"),
+    *("engine.bore", "engine.rated_speed", "engine.rated_power", "engine.firing_order"),
+    *("engine.drives", "vibration", "bearings.lowest_stiffness", "bearings.highest_stiffness"),
+    *(f"*.{name}" for name in FREE),
+)
+ROTATING = ("flywheel.inertia", "free_end.inertia")
+TORSIONAL_ALONE = (*ROTATING, "torsional_damper", "driven", "rod", "piston")
+AXIAL_ALONE = ("flywheel.mass", "free_end.mass", "axial_damper", "thrust_bearing")
+# By command, perhaps with an option that changes it: sections and fields that it uses, and that it does not.
+# The longer name decides; a name may begin with any section, "*.".
+USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "throw": ((*THROW, "material"), ()),
+    "stress": (THROW + ELASTIC[1:], ()),
+    "formulas": ((*THROW, *ELASTIC), ()),
+    "lookup": ((*THROW, "material"), ()),
+    "lookup law": ((*THROW, *ELASTIC), ()),
+    "draw": ((*THROW, "engine.name"), ()),
+    "draw --shaft": ((*SHAFT, "engine.name"), ()),
+    "export": (THROW, ()),
+    "export --calculix": ((*THROW, *ELASTIC), ()),
+    "export --shaft": (SHAFT, ()),
+    "plan": (STUDY, ()),
+    "doe": (STUDY, ()),
+    "designs": (STUDY, ()),
+    "mechanism": ((*MECHANISM, "throw", "material.density"), RUNNING),
+    "harmonics": ((*MECHANISM, "throw.crank_radius"), (*RUNNING, "engine.rated_power")),
+    "two-mass": (
+        ("two_mass_check", "torque", "vibration.highest_order", "engine"),
+        ("engine.bore", "engine.stroke", "engine.rated_power"),
+    ),
+    "vibration": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE)),
+    "vibration --coupled": ((ALL, "strength.tensile_strength"), RUN_ALONE),
+    "vibration of a chain": ((ALL,), ("chain.dashpots", *(f"*.{name}" for name in FREE))),
+    "class": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE)),
+    "run": ((ALL,), ()),
+    "run --model": ((ALL,), ("study", "vibration.model")),
+    "optimum": ((*THROW, "material"), ()),
+    "optimum --first_axial_frequency": ((ALL,), (*UNFORCED, *TORSIONAL_ALONE)),
+    "optimum --first_torsional_frequency": ((ALL,), (*UNFORCED, *AXIAL_ALONE)),
+}
+
+
+def command_use(name: str, arguments: Mapping[str, Any]) -> str:
+    """Return the key of a command, by the name of its function, with these arguments."""
+    called = name.strip("_").replace("_", "-")
+    if called == "lookup" and str(arguments["model"]) == "law":
+        return "lookup law"
+    with_option = (f"{called} --{option}" for option, value in arguments.items() if value)
+    return next((key for key in with_option if key in USES), called)
+
+
+def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
+    """Name what a file has that a command does not use: sections as a whole, else single fields.
+
+    Parameters
+    ----------
+    command : str
+        Its name, perhaps with an option that changes what it uses, as "draw --shaft".
+    """
+    of_chain = f"{command} of a chain"
+    used, without = USES[of_chain if file_kind(content) == "chain" else command]
+    if WHOLE[0] in without and "plant" in content.sections.get("shaft_line", {}):
+        without += ROTATING  # which the plant's chain has; only the whole crankshaft takes them
+    if command == "run" and "model" in content.sections.get("vibration", {}):
+        without += ("study",)  # for which the saved model stands
+    names: list[str] = []
+    for section, values in content.sections.items():
+        fields = list(_fields(section, values))
+        unused = [name for name in fields if _longest(name, without) >= _longest(name, used)]
+        names += [section] if unused and len(unused) == len(fields) else unused
+    return tuple(dict.fromkeys(names))
+
+
+def not_used_of(source: str, command: str) -> tuple[str, ...] | None:
+    """Name what is not used of a file or a shipped one; None if it has no sections, or cannot be read."""
+    try:
+        content = any_sections(source)
+    except InputError:  # which the command itself tells
+        return None
+    return None if content is None else not_used(content, command)
+
+
+def _fields(path: str, values: Mapping[str, Any]) -> Iterator[str]:
+    """Paths of the fields of a table and of those in it, without places in lists."""
+    for name, value in values.items():
+        tables = value if isinstance(value, list) else [value]
+        if tables and all(isinstance(table, dict) for table in tables):
+            for table in tables:
+                yield from _fields(f"{path}.{name}", table)
+        else:
+            yield f"{path}.{name}"
+
+
+def _longest(name: str, places: tuple[str, ...]) -> int:
+    """Length of the longest place that a field is, or is in; 0 if there is none."""
+    return max((len(place) for place in places if _is_under(name, place)), default=0)
+
+
+def _is_under(name: str, place: str) -> bool:
+    if place.startswith("*."):
+        return name.endswith(place[1:])
+    return place == ALL or name == place or name.startswith(f"{place}.")

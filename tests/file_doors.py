@@ -1,0 +1,294 @@
+"""Every value of a file changed, and what a door makes of it: a command or call that reads the file.
+
+A number is changed by 3 %, a count by one, a choice to each other one, true to false. What the door prints
+as JSON, without what only repeats the file, must change; or the door refuses the file; or it lists the
+field among those that it does not use. Anything else is left over.
+"""
+
+import json
+import math
+import re
+import tempfile
+import tomllib
+import typing
+from collections.abc import Callable, Collection, Iterator
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from typer.testing import CliRunner
+
+from crankbase.errors import InputError, MeshError, SolveError
+from crankbase.model import part_kind
+from crankfem.files.reading.data_files import input_path
+from file_fields import FILES, toml_text
+
+SHARE = 0.03
+ROUND_OFF = 1e-7
+CHANGED, REFUSED, NAMED, LEFT, WRONG = WORDS = (
+    *("changed", "refused", "named", "left over"),
+    "named, but changed",
+)
+DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d[.\d]*")
+COARSE = 0.1
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(.*)", re.DOTALL)
+# What repeats the file, and what differs from run to run.
+ECHO = {
+    *("inputs", "dimensions", "material", "assumed", "arrangement", "seconds", "about", "file"),
+    *("files", "units", "sources", "not_used", "pictures"),
+}
+Content = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Change:
+    """A value of a file to be changed: its path without places in lists, and with them; the other value."""
+
+    path: tuple[str, ...]
+    keys: tuple[Any, ...]
+    value: Any
+
+    @property
+    def field(self) -> str:
+        """The path as a file's messages have it."""
+        return ".".join(self.path)
+
+    def is_named(self, names: Collection[str]) -> bool:
+        """Whether a list of fields and sections has it."""
+        return any(self.field == name or self.field.startswith(f"{name}.") for name in names)
+
+
+def changed(content: Content, *changes: Change) -> Content:
+    """Content with some values changed."""
+    content = deepcopy(content)
+    for change in changes:
+        place: Any = content
+        for key in change.keys[:-1]:
+            place = place[key]
+        place[change.keys[-1]] = change.value
+    return content
+
+
+def changes(kind: str, content: Content) -> Iterator[Change]:
+    """Each value of a file that is no name and no words about another, changed."""
+    for path, keys, value in _leaves(content):
+        for other in _others(kind, path, value):
+            yield Change(path, keys, other)
+
+
+def _leaves(
+    value: Any, path: tuple[str, ...] = (), keys: tuple[Any, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], tuple[Any, ...], Any]]:
+    """Values with their paths, of lists of tables the first and the last one."""
+    if isinstance(value, dict) and "value" in value:
+        yield path, (*keys, "value"), value["value"]
+    elif isinstance(value, dict):
+        for name, part in value.items():
+            yield from _leaves(part, (*path, name), (*keys, name))
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        for place in sorted({0, len(value) - 1}):
+            yield from _leaves(value[place], path, (*keys, place))
+    else:
+        yield path, keys, value
+
+
+def _others(kind: str, path: tuple[str, ...], value: Any) -> Iterator[Any]:
+    """Other values that a field may have."""
+    if isinstance(value, bool):
+        yield not value
+    elif isinstance(value, int):
+        yield value + 1
+    elif isinstance(value, float):
+        yield value * (1.0 + SHARE) if value else SHARE
+    elif isinstance(value, list):
+        places = [place for place, one in enumerate(value) if not _is_zero(one)]
+        for place in places[-1:]:
+            for other in _others(kind, path, value[place]):
+                yield [*value[:place], other, *value[place + 1 :]]
+    elif isinstance(value, str):
+        choices = _choices(kind, path)
+        number = NUMBER.fullmatch(value)
+        if choices:
+            yield from (choice for choice in choices if choice != value)
+        elif path[-1] in ("name", "source"):
+            return
+        elif path[-1] == "firing_order":
+            yield "-".join(reversed(value.split("-")))
+        elif number is not None:
+            size = float(number[1])
+            yield f"{size * (1.0 + SHARE) if size else 1.0!r}{number[2]}"
+
+
+def _is_zero(value: Any) -> bool:
+    if isinstance(value, str):
+        number = NUMBER.fullmatch(value)
+        return number is not None and float(number[1]) == 0.0
+    return value == 0
+
+
+def _choices(kind: str, path: tuple[str, ...]) -> tuple[str, ...]:
+    """Words that a field may be, by its declaration."""
+    section, *inner = path
+    model = FILES[kind][1].get(section)
+    inner = inner[1:] if section == "throws" else inner
+    for name in inner:
+        if model is None or name not in model.model_fields:
+            return ()
+        info = model.model_fields[name]
+        if name == inner[-1]:
+            kinds = (info.annotation, *typing.get_args(info.annotation))
+            literals = [one for one in kinds if typing.get_origin(one) is typing.Literal]
+            return tuple(word for one in literals for word in typing.get_args(one))
+        model = part_kind(info)
+    return ()
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a door says, and the fields that it names as not used."""
+
+    content: Any
+    named: tuple[str, ...] = ()
+
+    def same(self, other: "Answer") -> bool:
+        """Whether another answer is the same but for round-off."""
+        return _same(self.content, other.content)
+
+
+def _same(first: Any, second: Any, size: float = 0.0) -> bool:
+    if isinstance(first, dict) and isinstance(second, dict):
+        return first.keys() == second.keys() and all(_same(first[k], second[k]) for k in first)
+    if isinstance(first, list) and isinstance(second, list):
+        sizes = [abs(one) for one in first if isinstance(one, float)]
+        size = max([size, *sizes])
+        return len(first) == len(second) and all(
+            _same(one, other, size) for one, other in zip(first, second, strict=True)
+        )
+    if isinstance(first, float) and isinstance(second, float):
+        return math.isclose(first, second, rel_tol=ROUND_OFF, abs_tol=ROUND_OFF * size)
+    return bool(first == second)
+
+
+Door = Callable[[Path], Answer]
+
+
+def command(*words: str) -> Door:
+    """A command of the command line; FILE in its words is the file, OUT a file that it writes."""
+
+    def asked(file: Path) -> Answer:
+        from crankfem.cli.app import app
+
+        with tempfile.TemporaryDirectory() as folder:
+            made = Path(folder, "made")
+            line = [word.replace("FILE", str(file)).replace("OUT", str(made)) for word in words]
+            found = CliRunner().invoke(app, [*line, "--json"], standalone_mode=False)
+            if found.exception is not None:
+                raise found.exception
+            text = found.stdout.replace(folder, "").replace(str(file.parent), "")
+            record = json.loads(text, parse_int=float)
+            written = sorted(path for path in Path(folder).rglob("made*") if path.is_file())
+            files = [DATE.sub("", path.read_text(encoding="latin-1")) for path in written]
+        return Answer([_plain(record), files], tuple(record.get("not_used", ())))
+
+    return asked
+
+
+def _plain(record: Any) -> Any:
+    if isinstance(record, dict):
+        return {name: _plain(part) for name, part in record.items() if name not in ECHO}
+    if isinstance(record, list):
+        return list(map(_plain, record))
+    return record
+
+
+def frequency(kind: Any) -> Door:
+    """The limit that an optimum has on an engine's first frequency, of a throw that is given."""
+
+    def asked(file: Path) -> Answer:
+        from crankfem.analyses.engine_optimum import engine_frequencies
+        from crankfem.files.engine.engine_file import load_engine
+        from crankfem.files.engine.used_values import not_used
+        from crankfem.files.reading.toml_file import read_toml
+
+        found = engine_frequencies(load_engine(file))
+        value = found.axial(1e-9) if kind == "axial" else found.torsional(3e-8)
+        return Answer(value, not_used(read_toml(file), f"optimum --first_{kind}_frequency"))
+
+    return asked
+
+
+DOORS: dict[str, tuple[str, Door]] = {
+    "throw": ("engine", command("throw", "FILE")),
+    "formulas": ("engine", command("formulas", "FILE")),
+    "lookup law": ("engine", command("lookup", "law", "--throw", "FILE")),
+    "draw": ("engine", command("draw", "FILE", "--output", "OUT.svg")),
+    "export": ("engine", command("export", "FILE", "OUT.msh")),
+    "export --shaft": ("engine", command("export", "FILE", "OUT.step", "--shaft")),
+    "mechanism": ("engine", command("mechanism", "FILE")),
+    "harmonics": ("engine", command("harmonics", "FILE")),
+    "plan": ("engine", command("plan", "FILE")),
+    "two-mass": ("engine", command("two-mass", "FILE")),
+    "optimum, axial": ("engine", frequency("axial")),
+    "optimum, torsional": ("engine", frequency("torsional")),
+    "vibration": ("engine", command("vibration", "FILE")),
+    "stress": ("engine", command("stress", "FILE", "--accuracy", "0.2")),
+    "hinge": ("hinge", command("hinge", "FILE")),
+    "chain": ("chain", command("vibration", "FILE")),
+}
+
+
+def shipped_content(kind: str, name: str) -> Content:
+    """Content of a shipped file."""
+    content = tomllib.loads(input_path(name, kind).read_text(encoding="utf-8"))
+    content.pop("sources", None)
+    return content
+
+
+def coarsely() -> None:
+    """Analyze each throw once, with a coarse mesh."""
+    import crankfem.analyses.shaft.throw_analyses as shaft
+    import fem.analysis
+
+    real, known = fem.analysis.analyze_throw, {}
+
+    def analyzed(throw: Any, material: Any, accuracy: float = COARSE, **options: Any) -> Any:
+        key = throw, material, tuple(sorted((name, repr(one)) for name, one in options.items()))
+        if key not in known:
+            known[key] = real(throw, material, COARSE, **options)
+        return known[key]
+
+    fem.analysis.analyze_throw = shaft.analyze_throw = analyzed  # type: ignore[assignment]
+
+
+def look(door: Door, kind: str, content: Content, folder: Path) -> Iterator[tuple[Change, str]]:
+    """Return of each change what the door makes of it.
+
+    What it names is changed all at once, and one by one only if that changes the answer.
+    """
+    file = folder / "file.toml"
+
+    def asked(*some: Change) -> Answer | None:
+        file.write_text(toml_text(changed(content, *some)), encoding="utf-8")
+        try:
+            return door(file)
+        except (InputError, MeshError, SolveError, SystemExit) as error:
+            if not some:
+                raise ValueError(str(error)) from None
+            return None
+
+    before = asked()
+    assert before is not None
+    every = list(changes(kind, content))
+    named = [change for change in every if change.is_named(before.named)]
+    together = asked(*named)
+    alike = together is not None and before.same(together)
+    for change in every:
+        is_named = change in named
+        after = together if is_named and alike else asked(change)
+        if after is None:
+            yield change, REFUSED
+        elif before.same(after):
+            yield change, NAMED if is_named else LEFT
+        else:
+            yield change, WRONG if is_named else CHANGED
