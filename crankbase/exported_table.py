@@ -182,6 +182,34 @@ def _text_rows(path: Path, text: str) -> tuple[tuple[str, ...], list[Row]]:
         raise InputError(f"{path}: is no table ({error}).") from None
 
 
+def separator_of(header: str) -> str:
+    """Return what stands between the names of a header: semicolons, tabs or commas.
+
+    Examples
+    --------
+    >>> separator_of("web_width [mm];axial_compliance_pinned [m/N]")
+    ';'
+    """
+    return max((",", ";", "\t"), key=header.count)
+
+
+def with_points(rows: list[list[str]]) -> list[list[str]]:
+    """Return rows with decimal points in their numbers, of rows with decimal commas alone.
+
+    Examples
+    --------
+    >>> with_points([["width", "note"], ["270,5", "a,b"]])
+    [['width', 'note'], ['270.5', 'a,b']]
+    """
+    numbers = [cell.strip() for row in rows for cell in row if _looks_like_number(cell.strip())]
+    if any("." in cell for cell in numbers):
+        return rows
+    return [
+        [cell.replace(",", ".") if _COMMA.fullmatch(cell.strip()) else cell for cell in row]
+        for row in rows
+    ]
+
+
 def _split(line: str, separator: str | None) -> list[str]:
     if separator is None:
         return line.split()

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import Field, StrictBool, field_validator, model_validator
 
 from crankbase.errors import InputError
+from crankbase.exported_table import separator_of, with_points
 from crankbase.input_file import CSV, LARGEST_TABLE_FILE, InputFile
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import parse_quantity
@@ -84,7 +85,7 @@ def _read_csv(file: InputFile) -> tuple[list[str], list[tuple[int, list[str]]]]:
         text = file.text(LARGEST_TABLE_FILE, "a table of designs", "a table (CSV)", CSV)
     except InputError as error:
         raise InputError(f"study.file: {error}") from None
-    delimiter = ";" if ";" in text.partition("\n")[0] else ","
+    delimiter = separator_of(text.partition("\n")[0])
     reader = csv.reader(text.splitlines(), delimiter=delimiter)
     try:
         lines = [(reader.line_num, line) for line in reader if any(cell.strip() for cell in line)]
@@ -95,6 +96,9 @@ def _read_csv(file: InputFile) -> tuple[list[str], list[tuple[int, list[str]]]]:
             f"study.file: given {path.name!r} without any run; allowed is a line of factor names and a "
             "line for each run."
         )
+    if delimiter != ",":
+        cells = with_points([line for _, line in lines])
+        lines = [(number, line) for (number, _), line in zip(lines, cells, strict=True)]
     header = [cell.strip() for cell in lines[0][1]]
     for number, line in lines[1:]:
         if len(line) != len(header):

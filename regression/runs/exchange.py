@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from crankbase.errors import InputError, MissingLibraryError
+from crankbase.exported_table import separator_of, with_points
 from crankbase.input_file import LARGEST_TABLE_FILE, check_file_size
 from crankbase.outputs import atomic_file
 from crankbase.quantity import parse_quantity
@@ -74,19 +75,14 @@ def read_lines(path: Path) -> list[list[str]]:
             "store."
         )
     try:
-        lines = list(csv.reader(text.splitlines(keepends=True), strict=True))
+        separator = separator_of(text.partition("\n")[0])
+        lines = list(csv.reader(text.splitlines(keepends=True), strict=True, delimiter=separator))
     except csv.Error as error:
         raise InputError(
             f"{path.name}: is no CSV table ({error}); allowed are a header and lines of cells separated "
-            "by commas."
+            "by commas, semicolons or tabs."
         ) from None
-    for mark, name in ((";", "semicolons"), ("\t", "tabs")):
-        if lines and any(mark in cell for cell in lines[0]):
-            raise InputError(
-                f"{path.name}, line 1: given cells separated by {name}; allowed are commas between "
-                "columns, and points in decimal numbers."
-            )
-    return lines
+    return lines if separator == "," else with_points(lines)
 
 
 def read_columns(file: str, headers: list[str], plan: StudyPlan) -> list[ImportedColumn]:
@@ -469,7 +465,7 @@ def read_rows(path: Path, plan: StudyPlan, *, alone: bool = False) -> tuple[Extr
         if len(cells) != len(listed):
             raise InputError(
                 f"{path.name}, line {number}: given {len(cells)} cells; allowed are {len(listed)}, one "
-                "for each column, separated by commas, with points in decimal numbers."
+                "for each column, separated as those of the header."
             )
         row = reader.row(number, listed, cells)
         if row is not None:

@@ -257,6 +257,7 @@ EXPECTED = ((0.27, 0.0), (0.30, 1.0), (0.33, 0.0))
         "web_width [mm],web_outline\n270,obround\n300,rectangle\n330,obround\n",
         "web_width,web_outline\n270 mm,obround\n\n30 cm , rectangle\n0.33 m,obround\n",
         "web_width [m]; web_outline\n0.27;obround\n0.30;rectangle\n0.33;obround",
+        "web_width [m]\tweb_outline\n0,27\tobround\n0,30\trectangle\n0,33\tobround",
     ],
 )
 def test_runs_from_a_file(read_rows, rows):

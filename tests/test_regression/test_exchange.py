@@ -17,7 +17,7 @@ from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, MEASURED, RUN
 from regression.runs import study as study_module
 from regression.runs import workers
-from regression.runs.exchange import export_table
+from regression.runs.exchange import export_table, read_rows
 from regression.runs.store import ResultStore
 from regression.runs.study import import_results, read_study, run_plan
 from regression.runs.study_table import study_table
@@ -304,7 +304,7 @@ HEADER = "web_width [mm],pin_length [mm],axial_compliance_pinned [m/N]"
         ([HEADER, "300,150,nan"], "bad.csv, line 2, column axial_compliance_pinned [m/N]: given"),
         ([HEADER, '"300,5",150,1e-9'], "bad.csv, line 2, column web_width [mm]: given '300,5'"),
         ([HEADER, "300,5,150,1e-9"], "bad.csv, line 2: given 4 cells; allowed are 3"),
-        ([HEADER.replace(",", ";"), "300;150;1e-9"], "bad.csv, line 1: given cells separated by"),
+        ([HEADER.replace(",", ";"), "300,5;150.5;1e-9"], "bad.csv, line 2, column web_width [mm]:"),
         *(
             (
                 [f"web_width [mm],{name}", f"300,{value}"],
@@ -333,6 +333,19 @@ def test_bad_tables_are_refused_with_line_and_column(planned, tmp_path, lines, m
     assert text.endswith(".")
     assert "\n" not in text
     assert read_study(planned).extra == ()
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        (HEADER.replace(",", ";"), "300,5;150;1,25e-9"),
+        (HEADER.replace(",", "\t"), "300.5\t150\t1.25e-9"),
+    ],
+)
+def test_tables_of_spreadsheets_are_read(tmp_path, lines):
+    (row,) = read_rows(table_of(tmp_path / "sheet.csv", *lines), PLAN)
+    assert row.values == close((0.3005, 0.15))
+    assert row.responses == {"axial_compliance_pinned": close(1.25e-9)}
 
 
 def test_a_ratio_and_the_dimension_that_follows_must_agree(store, tmp_path):
