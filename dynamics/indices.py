@@ -76,6 +76,14 @@ def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bo
     return np.asarray(at_most(low, speeds) & at_most(speeds, high))
 
 
+def within_any(speeds: FloatArray, ranges: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+    """Return which speeds are in any of some ranges, whose ends are their own."""
+    inside = np.zeros(speeds.shape, dtype=bool)
+    for low, high in ranges:
+        inside |= within(speeds, low, high)
+    return inside
+
+
 def at_most(speed: float | FloatArray, limit: float | FloatArray) -> NDArray[np.bool_]:
     """Return whether a speed is at most another, within a few units in the last place."""
     return np.asarray(speed <= limit * (1.0 + AT_END))

@@ -30,7 +30,7 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.engine.forces import mechanism_forces
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.indices import within
+from dynamics.indices import within, within_any
 from dynamics.response.order_excitation import at_angles
 from dynamics.response.series import OrderSeries, common_order, synthesis
 from dynamics.strength.concentration import SupportedThrow
@@ -147,10 +147,8 @@ def judged_speeds(
     assert vibration.assessment is not None  # of an engine with gas pressure
     barred = tuple(vibration.assessment.verdict.ranges_to_bar)
     speeds = forced.response.speeds
-    kept = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
-    for low, high in barred:
-        kept &= (speeds <= low) | (speeds >= high)
-    return kept, barred
+    running = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
+    return running & ~within_any(speeds, barred), barred
 
 
 def superposition(vibration: EngineVibration, mechanism: MechanismFile) -> Superposition:

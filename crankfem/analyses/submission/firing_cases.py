@@ -16,6 +16,7 @@ from crankfem.analyses.vibration.engine_excitation import (
     engine_harmonics,
     failing_harmonics,
     forces_over_speeds,
+    merged_speeds,
 )
 from crankfem.analyses.vibration.engine_limits import (
     DAMPER,
@@ -37,7 +38,7 @@ from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.chains.chain import Chain
 from dynamics.excitation.cylinders import CylinderHarmonics
-from dynamics.indices import at_most, within
+from dynamics.indices import at_most, within, within_any
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import alternating_stress, section_modulus, varying_stiffness
 from dynamics.response.series import OrderSeries
@@ -136,6 +137,7 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     share, notes = HIGHEST_SHARE, []
     harmonics = engine_harmonics(file, mechanism, share)
     speeds = calculated_speeds(file, harmonics.orders, chains.damped, above_rated=share)
+    speeds = merged_speeds(speeds, [one for one in _worst_speeds(run) if one <= speeds[-1]])
     if not at_most(share * file.engine.rated_speed, speeds[-1]):
         notes.append(
             f"speeds are calculated up to {speeds[-1] / file.engine.rated_speed:.3g} of the rated one, "
@@ -175,6 +177,16 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     return FiringCases(speeds, normal, firing, failing, envelopes, mean, limits, tuple(notes))
 
 
+def _worst_speeds(run: EngineVibration) -> list[float]:
+    """Return the speeds at which the vibration found its worst, closer than a grid [rad/s]."""
+    checks = () if run.assessment is None else run.assessment.verdict.checks
+    uses = [use for check in checks for use in (check.running, check.above) if use is not None]
+    failing = () if run.misfiring is None else run.misfiring.checks
+    return [use.speed for use in uses] + [
+        reached.speed for check in failing for reached in check.each.values()
+    ]
+
+
 def _cold(
     file: EngineFile,
     mechanism: MechanismFile,
@@ -196,10 +208,7 @@ def _kept_and_passed(
 ) -> tuple[Flags, Flags]:
     """Return which running speeds may be kept, and which are in ranges to be barred."""
     running = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
-    # The ends of a range are its own; a limit is used up there.
-    passed = np.zeros(speeds.shape, dtype=bool)
-    for low, high in barred:
-        passed |= within(speeds, low, high)
+    passed = within_any(speeds, barred)
     return running & ~passed, running & passed
 
 

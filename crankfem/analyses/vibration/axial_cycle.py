@@ -22,7 +22,11 @@ from dynamics.excitation.chain_excitation import (
 )
 from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
+from dynamics.response.order_excitation import at_angles
+from dynamics.response.series import extreme_angles
 
+# Orders of a force below this share of its largest one are round-off.
+ROUND_OFF = 1e-12
 Newtons: TypeAlias = Annotated[float, Quantity("N")]
 Degrees: TypeAlias = Annotated[float, Quantity("deg")]
 
@@ -171,8 +175,18 @@ def axial_cycle_columns(cycle: AxialForceOverCycle) -> tuple[dict[str, FloatArra
 
 
 def _extremes(cycle: AxialForceOverCycle, force: FloatArray) -> Extremes:
-    degrees, ends = cycle.shaft_angles_deg, (int(np.argmin(force)), int(np.argmax(force)))
-    return Extremes(*(float(part[end]) for end in ends for part in (force, degrees)))
+    """Return those between the samples too, from which all orders of a force follow."""
+    mean, *phasors = np.fft.rfft(force) / force.size
+    turns = force.size * (cycle.shaft_angles_deg[1] - cycle.shaft_angles_deg[0]) / 360.0
+    orders, waves = np.arange(1, len(phasors) + 1) / turns, 2.0 * np.array(phasors)
+    acting = np.abs(waves) > ROUND_OFF * np.max(np.abs(waves))
+    if not np.any(acting):
+        return Extremes(float(mean.real), 0.0, float(mean.real), 0.0)
+    highest, lowest = extreme_angles(orders[acting], waves[acting])
+    angles = np.array([lowest, highest])
+    values = mean.real + at_angles(orders[acting], waves[acting], angles)
+    degrees = np.degrees(angles) % (360.0 * turns)
+    return Extremes(*np.column_stack((values, degrees)).reshape(-1).tolist())
 
 
 def _largest(

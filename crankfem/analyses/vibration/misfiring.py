@@ -29,7 +29,6 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics import wording
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import (
-    NEARLY_LARGEST,
     largest_amplitude,
     refined_maxima,
     speeds_above,
@@ -669,36 +668,31 @@ def _joined(ranges: Iterable[tuple[float, float]]) -> tuple[tuple[float, float],
 
 
 def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
-    """Find the worst speeds of normal firing and of the worst cases between their neighbors."""
+    """Find the worst speeds of all cases, with normal firing, between their neighbors."""
     quantities = compared_quantities(added.chains.engine_file)
-    pairs = []
-    for key, own in each.items():
-        most = max(reached.severity for case, reached in own.items() if case)
-        near_worst = tuple(NEARLY_LARGEST * size for size in most)
-        pairs += [
-            (key, case)
-            for case, reached in own.items()
-            if not case or reached.severity >= near_worst
-        ]
-    cases = list(dict.fromkeys(case for _, case in pairs))
-    best = {pair: each[pair[0]][pair[1]] for pair in pairs}
+    for case in dict.fromkeys(case for own in each.values() for case in own):
+        best = {key: own[case] for key, own in each.items()}
+        limits = {key: quantities[key].while_firing(case) for key in best}
 
-    def used(some: FloatArray) -> FloatArray:
-        found = dict(added.at(some, cases))
-        rows = []
-        for key, case in pairs:
-            own = at_place(found[case][key], best[key, case].place).synthesis.amplitude[:, 0]
-            factors = weights(quantities[key].while_firing(case), some)
-            rows.append(np.where(np.isfinite(own), own * factors, 0.0))
-        return np.array(rows)
+        def used(
+            some: FloatArray,
+            case: Cylinders = case,
+            best: Mapping[str, Reached] = best,
+            limits: Mapping[str, VibrationLimit | None] = limits,
+        ) -> FloatArray:
+            ((_, found),) = added.at(some, [case])
+            rows = []
+            for key, reached in best.items():
+                own = at_place(found[key], reached.place).synthesis.amplitude[:, 0]
+                rows.append(np.where(np.isfinite(own), own * weights(limits[key], some), 0.0))
+            return np.array(rows)
 
-    tops = np.searchsorted(speeds, [reached.speed for reached in best.values()])
-    near = np.unique(np.clip([tops - 1, tops, tops + 1], 0, speeds.size - 1))
-    closer = np.union1d(refined_maxima(used, speeds[near]), speeds[tops])
-    for case, found in added.at(closer, cases):
-        for key, of in pairs:
-            if of == case:
-                each[key][case] = worst_of(found[key], quantities[key].while_firing(case))
+        tops = np.searchsorted(speeds, [reached.speed for reached in best.values()])
+        near = np.unique(np.clip([tops - 1, tops, tops + 1], 0, speeds.size - 1))
+        closer = np.union1d(refined_maxima(used, speeds[near]), speeds[tops])
+        ((_, found),) = added.at(closer, [case])
+        for key, limit in limits.items():
+            each[key][case] = worst_of(found[key], limit)
 
 
 def _sum(order_series: OrderSeries, other: OrderSeries) -> OrderSeries:

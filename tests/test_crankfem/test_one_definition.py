@@ -1,0 +1,226 @@
+"""One quantity has one value wherever it is told: pairs of places that calculate it are compared."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankfem.analyses.engine_mechanism import mechanism_of
+from crankfem.analyses.engine_optimum import first_frequency
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.shaft.throw_analyses import crank_analyses
+from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
+from crankfem.analyses.strength.cycle_loads import HIGHEST_ORDER, judged_speeds, shaft_loads
+from crankfem.analyses.submission.firing_cases import (
+    MISFIRING,
+    STRESS,
+    firing_cases,
+    heat_of,
+)
+from crankfem.analyses.submission.tables import mode_stars
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.engine.engine_file import load_engine
+from dynamics.response.series import synthesis
+from fem.analysis import analyze_throw
+
+pytestmark = pytest.mark.further
+
+# A V engine that misfires badly; a generating set with a damper, a coupling and counterweights.
+ENGINES = ["yamz-5340", "7l32-40-set"]
+# Powers are integrals over samples or over orders of the same pressure.
+INTEGRALS = 1e-6
+
+
+@pytest.fixture(scope="module", params=ENGINES)
+def told(request):
+    engine = load_engine(request.param)
+    analyses = {
+        name: analyze_throw(throw, engine.material, 0.1, sections="rigid")
+        for name, throw in engine.named_throws.items()
+    }
+    mechanism = mechanism_of(engine)
+    run = engine_vibration(engine, analysis=analyses, mechanism=mechanism)
+    return SimpleNamespace(
+        engine=engine,
+        run=run,
+        mechanism=mechanism,
+        in_mechanism=run_mechanism(mechanism),
+        firing=firing_cases(run),
+    )
+
+
+def at_rated(told, speeds):
+    return int(np.argmin(np.abs(speeds - told.engine.engine.rated_speed)))
+
+
+def test_torque_power_and_pressure_at_rated_speed(told):
+    forces, load = told.run.forced_torsional.forces, told.run.load
+    work, torque = told.in_mechanism.works, told.in_mechanism.torque
+    rated = at_rated(told, forces.speeds)
+    assert forces.mean_torque[rated] == close(torque.mean, rel=1e-12)
+    assert told.firing.mean_torque[at_rated(told, told.firing.speeds)] == close(
+        torque.mean, rel=1e-12
+    )
+    rated = at_rated(told, load.speeds)
+    assert load.power[rated] == close(torque.power, rel=INTEGRALS)
+    assert load.peak_pressure[rated] == close(max(own.peak_pressure for own in work), rel=1e-12)
+    mean = np.mean([own.mean_effective_pressure for own in work])
+    assert load.mean_pressure[rated] == close(mean, rel=INTEGRALS)
+
+
+def test_masses_and_inertias(told):
+    engine, chain = told.engine, told.run.torsional.chosen.chain
+    cranks = crank_analyses(engine, told.run.analyses)
+    solids = sum(crank.masses.inertia_about_shaft for crank in cranks)
+    layout, mechanism = told.in_mechanism.layout, told.mechanism
+    assert layout.shaft_inertia - mechanism.attached_inertia == close(solids, rel=1e-9)
+    # The whole crankshaft has its ends, too.
+    assert shaft_balance(engine).inertia_about_shaft >= solids * (1.0 - 1e-9)
+    assert sum(crank.mass for crank in cranks) <= shaft_balance(engine).mass * (1.0 + 1e-9)
+    ends = [
+        chain.chain.inertia[chain.nodes.index(name)]
+        for name in ("free end", "flywheel")
+        if name in chain.nodes
+    ]
+    assert mechanism.attached_inertia == close(sum(ends), rel=1e-9)
+    # Half of what moves with the piston, and what turns with the pin, in chain and class document.
+    moving = engine.piston.mass + engine.rod.mass - engine.rod.rotating_mass
+    radius = 0.5 * engine.engine.stroke
+    rods = engine.engine.cylinders * (engine.rod.rotating_mass + 0.5 * moving) * radius**2
+    inertias = chain.chain.inertia[list(chain.throw_nodes)]
+    assert sum(inertias) == close(solids + rods, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["axial", "torsional"])
+def test_first_frequency_of_the_crankshaft(told, kind):
+    vibration, bearings = told.run.modes(kind), told.run.bearings
+    first = vibration.chosen.first_frequency
+    ranges = told.run.assessment.uncertainty[kind].frequencies
+    others = [
+        vibration.crankshaft_mode.frequency,
+        first_frequency(vibration.chosen.chain),
+        ranges[vibration.crankshaft_mode.number - 1].nominal,
+        *(own.first_frequency for own in vibration.sources if own.source == vibration.source),
+    ]
+    if bearings is not None:
+        others.append(bearings.chains[kind][len(bearings.stiffness) // 2])
+    assert others == close([first] * len(others), rel=1e-12)
+
+
+def test_compliances_of_the_throws_in_the_shaft(told):
+    run = told.run
+    in_shaft = throws_in_shaft(run.shaft, crank_analyses(told.engine, run.analyses))
+    for kind in ("axial", "torsional"):
+        chosen = run.modes(kind).chosen
+        (source,) = (own for own in run.modes(kind).sources if own.source == chosen.source)
+        assert chosen.compliances == close(getattr(in_shaft.compliances, kind), rel=1e-12)
+        assert source.mean_compliance == close(np.mean(chosen.compliances), rel=1e-12)
+    assert 1.0 / run.axial_chain.stiffness[: len(in_shaft.compliances.axial)] == close(
+        in_shaft.compliances.axial, rel=1e-12
+    )
+
+
+def test_worst_uses_of_limits(told):
+    verdict, bearings = told.run.assessment.verdict, told.run.bearings
+    most = max(check.used for check in verdict.checks)
+    assert verdict.checks[0].used == told.run.worst_check.used == most
+    if bearings is not None:
+        place = len(bearings.stiffness) // 2
+        assert max(used[place] for used in bearings.used.values()) == close(most, rel=1e-12)
+    for check in told.run.misfiring.checks:
+        if check.limit is None:
+            continue
+        running = [own.running for own in verdict.checks if own.limit.name == check.limit.name]
+        worst = max(running, key=lambda own: own.used)
+        assert check.normal.used == close(worst.used, rel=1e-5)
+        assert check.normal.speed == close(worst.speed, rel=1e-4)
+
+
+def test_largest_stress_in_verdict_misfiring_and_class_document(told):
+    cases, elements = told.firing, told.run.forced_torsional.stress.names
+    (check,) = (
+        own
+        for own in told.run.misfiring.checks
+        if own.quantity.startswith("torsional stress of cr")
+    )
+    for (cylinder,), reached in check.each.items():
+        found = cases.failing[MISFIRING][cylinder].kept
+        worst = max((found[STRESS, name] for name in elements), key=lambda own: own.used)
+        assert (worst.place, worst.speed) == (reached.place, close(reached.speed, rel=1e-9))
+        assert worst.used == close(reached.used, rel=1e-9)
+    kept, _ = judged_speeds(told.run)
+    if np.all(kept == told.run.forced_torsional.speed_parts["running"]):
+        worst = max(
+            (cases.firing.kept[STRESS, name] for name in elements), key=lambda own: own.used
+        )
+        assert worst.used == close(check.normal.used, rel=1e-5)
+
+
+def test_torques_in_tables_strength_and_stress(told):
+    forced, file = told.run.forced_torsional, told.engine
+    kept, _ = judged_speeds(told.run)
+    counted = forced.orders <= HIGHEST_ORDER[file.engine.strokes]
+    elastic = forced.loads.elastic
+    amplitude = synthesis(
+        elastic.orders[counted], elastic.speeds, elastic.values[counted], elastic.unbounded[counted]
+    ).amplitude[kept]
+    chain = forced.engine_chain
+    for throw, load in enumerate(shaft_loads(told.run, told.mechanism).normal):
+        beside = [
+            place
+            for place, nodes in enumerate(chain.chain.connections[: chain.crank_elements])
+            if chain.throw_nodes[throw] in nodes
+        ]
+        assert load.value == close(amplitude[:, beside].max(), rel=1e-9)
+    running = forced.speed_parts["running"]
+    for place, modulus in forced.moduli.items():
+        most = elastic.synthesis.amplitude[running, place].max() / modulus
+        peak = next(own for own in forced.stress_peaks if own.element == elastic.names[place])
+        assert peak.running.peak == close(most, rel=1e-12)
+
+
+def test_heat_of_dampers(told):
+    power, loads = told.run.forced_torsional.power, told.run.forced_torsional.loads
+    chain = told.run.torsional_chain
+    for place, name in enumerate(power.dashpot_names):
+        series, size = loads.dashpots, chain.dashpots[place].damping
+        assert heat_of(series, name, (0.0, 0.0, size)) == close(
+            power.dashpots[:, :, place].sum(axis=0), rel=1e-9
+        )
+    for place, name in enumerate(power.element_names):
+        values = chain.stiffness[place], chain.loss_factor[place], chain.damping[place]
+        if any(values[1:]):
+            assert heat_of(loads.elements, name, tuple(map(float, values))) == close(
+                power.elements[:, :, place].sum(axis=0), rel=1e-9
+            )
+    running = told.run.forced_torsional.speed_parts["running"]
+    for name, (heat, _) in told.firing.firing.heat.items():
+        part, names = power.elements, power.element_names
+        if name in power.dashpot_names:
+            part, names = power.dashpots, power.dashpot_names
+        most = part[:, running, names.index(name)].sum(axis=0).max()
+        assert heat <= most * (1.0 + 1e-3)
+
+
+def test_force_on_the_thrust_bearing(told):
+    engine, forced, thrust = told.engine, told.run.forced_axial, told.run.thrust
+    node = forced.engine_chain.sections[engine.thrust_bearing.section_index]
+    rated = at_rated(told, forced.speeds)
+    moved = forced.response.synthesis
+    both = thrust.thrust_bearing.lowest, thrust.thrust_bearing.highest
+    wanted = moved.lowest[rated, node], moved.highest[rated, node]
+    assert both == close(engine.thrust_bearing.stiffness * np.array(wanted), rel=1e-9)
+    running = forced.speed_parts["running"]
+    by_ground = forced.loads.ground.synthesis.amplitude[running, node].max()
+    assert thrust.running.amplitude == close(by_ground, rel=1e-12)
+
+
+def test_vector_sums_of_the_cylinders(told):
+    vibration = told.run.torsional
+    rigid = vibration.chosen.modes.rigid
+    assert vibration.criticals
+    for critical in vibration.criticals:
+        stars = mode_stars(told.run, rigid + critical.mode - 1)
+        (star,) = (own for own in stars if own.order == critical.order)
+        assert critical.phase_sum == close(star.share, abs=1e-9)
