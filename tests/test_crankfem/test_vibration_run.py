@@ -305,14 +305,17 @@ def test_axial_force_over_the_cycle_in_the_record(run):
     found, record = run.axial_force, run.to_record()["axial_force"]
     said = " ".join(record["sentences"])
     for name, force in (("thrust_bearing", found.thrust_bearing), ("held", found.held)):
-        assert (record[name]["lowest"], record[name]["highest"]) == (force.min(), force.max())
-        place = round(record[name]["highest_angle_deg"])
-        assert force[place] == force.max()
-        assert f"{force.min() / 1e3:.3g} kN to {force.max() / 1e3:.3g} kN" in said
+        # Extremes are between the samples, a degree apart; the curve is flat there.
+        extremes, span = record[name], np.ptp(force)
+        assert 0.0 <= extremes["highest"] - force.max() <= 5e-3 * span
+        assert 0.0 <= force.min() - extremes["lowest"] <= 5e-3 * span
+        assert abs(extremes["highest_angle_deg"] - np.argmax(force)) <= 1.0
+        assert f"{extremes['lowest'] / 1e3:.3g} kN to {extremes['highest'] / 1e3:.3g} kN" in said
     assert len(record["throws"]) == 6
     # At the worst running speed it is no smaller than at rated speed, and is what the motion there makes.
     worst = record["running"]
-    assert worst["amplitude"] >= 0.5 * np.ptp(found.thrust_bearing) * (1.0 - 1e-3)
+    rated = record["thrust_bearing"]
+    assert worst["amplitude"] >= 0.5 * (rated["highest"] - rated["lowest"]) * (1.0 - 1e-9)
     response = run.forced_axial.response
     place = int(np.argmin(np.abs(response.speeds - worst["speed_rpm"] * np.pi / 30.0)))
     moved = response.nodes.at_angle(

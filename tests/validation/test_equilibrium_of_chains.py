@@ -1,4 +1,4 @@
-"""Equilibrium of every body of the chains of all shipped engines, and the axial force of throws.
+"""Equilibrium of every body of the chains of all engines here, and the axial force of throws.
 
 Source: Newton's second law. Nothing pulls at a crankpin along the shaft, so the force through a throw is what
 accelerates all masses between it and the free end, m w^2 x of each order, besides what damps them. In torsion
@@ -9,6 +9,8 @@ Tolerances: round-off of the solution by modes, 1e-9 of the largest spring force
 magnifier 40, acts on all masses with up to 0.3 % of the largest force at resonance, bound 0.5 %; misfiring
 looks for its speeds itself, 0.1 %. Known values are printed to 0.1 kN; speeds miss the peak by 0.1 %: 0.2 kN.
 """
+
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,11 +40,16 @@ KILO = 1e-3
 
 
 def engines():
-    """Names of the shipped engines with gas pressure."""
+    """Shipped engines and those of our own, with gas pressure."""
+    own = sorted((Path(__file__).parents[1] / "data" / "engines").glob("*.toml"))
     return [
-        pytest.param(name, marks=pytest.mark.slow if name == QUICK else pytest.mark.further)
-        for name in shipped_names("engine")
-        if file_kind(sections := engine_sections(name)) == "engine"
+        pytest.param(
+            file,
+            id=Path(file).stem,
+            marks=pytest.mark.slow if file == QUICK else pytest.mark.further,
+        )
+        for file in (*shipped_names("engine"), *own)
+        if file_kind(sections := engine_sections(file)) == "engine"
         and {"gas", "gas_map"} & set(sections.sections)
     ]
 
@@ -66,7 +73,7 @@ def test_all_bodies_of_shipped_engines(name, figure):
     firing = engine_harmonics(engine, mechanism)
     speeds = np.linspace(*calculated_range(engine), 40)
     cases = {"firing": forces_over_speeds(engine, firing, speeds)}
-    if engine.gas is not None:
+    if engine.gas is not None and not engine.engine.driven_by:
         failing = failing_harmonics(engine, mechanism, firing)
         cases["without combustion"] = forces_over_speeds(engine, failing, speeds)
     for case, forces in cases.items():
