@@ -6,7 +6,7 @@ from dynamics.response.loads import element_loads
 
 
 def unbalanced(response, outside):
-    """Largest force that is left on any body of a chain, as a share of the largest k x beside it.
+    """Largest force left on any body of a chain, as a share of the largest k x of its order and speed.
 
     Parameters
     ----------
@@ -37,4 +37,5 @@ def unbalanced(response, outside):
     ways = chain.expansion()
     modal = system.damping - ways.T @ chain.damping_matrix() @ ways
     body = left @ ways - 1j * w * (response.unknowns @ modal)
-    return float(np.max(np.abs(body)) / np.max(moved))
+    largest = np.max(moved, axis=2)
+    return float(np.max(np.max(np.abs(body), axis=2) / np.where(largest > 0.0, largest, 1.0)))

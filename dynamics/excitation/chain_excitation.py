@@ -453,7 +453,7 @@ def _torque_of_parts(torques: ComplexArray, torsional: EngineChain) -> ComplexAr
 @summarized("orders", "speeds [rad/s]", "alone [N]", "in_shaft [N]")
 @dataclass(frozen=True, eq=False)
 class AxialForceComparison:
-    """Axial force of each throw by order and speed, by two methods.
+    """Exciting axial force P of each throw by order and speed, by two methods.
 
     Parameters
     ----------
@@ -509,7 +509,7 @@ class AxialForceComparison:
         return np.asarray(pressing @ np.diff(self.shapes, axis=1).T)
 
     def plot(self, axes: Axes | None = None, throw: int = 1, *, main_orders: int = 3) -> Axes:
-        """Draw the axial force of a throw by its main orders over the speed, by both methods.
+        """Draw the exciting axial force of a throw by its main orders over the speed, by both methods.
 
         Returns
         -------
@@ -529,8 +529,8 @@ class AxialForceComparison:
             axes.plot(rpm, alone[order], "--", color=color, label=f"{name}, throw alone")
         set_speed_axis(axes, self.speeds)
         axes.set_ylim(bottom=0.0)
-        axes.set_ylabel("axial force [kN]")
-        write_title(axes, f"Axial force of throw {throw}")
+        axes.set_ylabel("exciting axial force [kN]")
+        write_title(axes, f"Exciting axial force of throw {throw}")
         legend_inside(axes)
         return axes
 
@@ -545,7 +545,7 @@ def compare_axial_forces(
     pins: ArrayLike | None = None,
     shapes: ArrayLike | None = None,
 ) -> AxialForceComparison:
-    """Find the axial force of each throw by two methods.
+    """Find the exciting axial force of each throw by two methods.
 
     Parameters
     ----------

@@ -180,6 +180,17 @@ def test_torques_in_tables_strength_and_stress(told):
         assert peak.running.peak == close(most, rel=1e-12)
 
 
+def test_use_of_a_limit_by_a_peak_alone(told):
+    forced = told.run.forced_torsional
+    limit = told.run.assessment.limits["crankshaft_stress"]
+    names = list(forced.stress.names)
+    for peak in forced.peaks:
+        if peak.place in names and np.isfinite(peak.limit_used):
+            modulus = forced.moduli[list(forced.loads.elastic.names).index(peak.place)]
+            own = peak.amplitude / modulus / limit.continuous.at(np.array([peak.speed]))[0]
+            assert peak.limit_used >= own * (1.0 - 1e-9)
+
+
 def test_heat_of_dampers(told):
     power, loads = told.run.forced_torsional.power, told.run.forced_torsional.loads
     chain = told.run.torsional_chain

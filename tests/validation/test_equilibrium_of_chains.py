@@ -55,7 +55,7 @@ def engines():
 
 
 @pytest.mark.parametrize("name", engines())
-def test_all_bodies_of_shipped_engines(name, figure):
+def test_all_bodies(name, figure):
     engine = load_engine(name)
     # As coarse as may be: equilibrium holds for any compliances.
     analyses = {

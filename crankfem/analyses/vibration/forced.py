@@ -124,7 +124,7 @@ class FreeEnd(Result):
 
 @result("order", "alone", "in_shaft", "difference", eq=True)
 class OrderForces(Result):
-    """Largest axial force of any throw at the highest speed by one order, by two methods."""
+    """Largest exciting axial force of any throw at the highest speed by one order, by two methods."""
 
     order: Number
     alone: InItsUnit
@@ -274,7 +274,7 @@ class ForcedVibration(ChainAnswer, Result):
     def forces_by_order(
         self,
     ) -> Annotated[tuple[OrderForces, ...] | None, Quantity(key="axial_forces")]:
-        """Largest axial force of any throw at the highest speed, by two methods; None if torsional."""
+        """Largest exciting axial force of any throw at the highest speed; None if torsional."""
         compared = self.axial_forces
         if compared is None:
             return None
@@ -571,7 +571,7 @@ def resonances_of(
             and not _is_passed(critical, forced),
             limit_used=max(
                 (
-                    _used_alone(critical, limit, series, passed=_is_passed(critical, forced))
+                    _used_alone(forced, critical, limit, series)
                     for kind, limit, series in limited
                     if kind == forced.kind and critical.has_peak
                 ),
@@ -585,19 +585,25 @@ def resonances_of(
 
 
 def _used_alone(
-    critical: DampedCritical, limit: VibrationLimit, series: OrderSeries, *, passed: bool
+    forced: ForcedVibration, critical: DampedCritical, limit: VibrationLimit, series: OrderSeries
 ) -> float:
     """Return the share of a limit that the order of a peak alone uses at its speed; 0 without a limit.
 
-    Of a peak that is passed on starting, that of the limit for passing.
+    Of a peak that is passed on starting, that of the limit for passing. At the place of the peak the
+    amplitude is that of the peak, elsewhere that of the nearest calculated speed.
     """
-    curve = limit.passing if passed else limit.continuous
+    curve = limit.passing if _is_passed(critical, forced) else limit.continuous
     if curve is None:
         return 0.0
     order = int(np.argmin(np.abs(series.orders - critical.order)))
     speed = int(np.argmin(np.abs(series.speeds - critical.speed)))
-    permitted = curve.at(series.speeds[[speed]])
-    return float(np.max(series.amplitude[order, speed]) / permitted[0])
+    reached = series.amplitude[order, speed].copy()
+    if critical.place in series.names:
+        known = forced.loads.elastic if critical.of_load else forced.response.elastic
+        near = known.amplitude[order, speed, known.names.index(critical.place)]
+        if 0.0 < near < np.inf:
+            reached[series.names.index(critical.place)] *= critical.amplitude / near
+    return float(np.max(reached) / curve.at(np.array([critical.speed]))[0])
 
 
 def _speed(critical: DampedCritical) -> float:
