@@ -210,6 +210,7 @@ GROUPS: dict[str, tuple[str, dict[str, str]]] = {
             "test_symmetry_parts": "half and whole meshes",
             "test_element_factors": "the same throws on meshes twice as fine",
             "test_reaction_lookups": "finite elements of each throw",
+            "test_slopes": "differences between throws",
         },
     ),
 }

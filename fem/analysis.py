@@ -26,6 +26,7 @@ from fem.correction import (
     corrected_class,
     effectivity,
     error_bars,
+    slope_errors,
 )
 from fem.end_reactions import (
     END_LOADS,
@@ -610,14 +611,14 @@ class ThrowAnalysis(SolvedSuperelement):
             If an argument is unknown, the reaction is zero, the throw is a CAD part, or its end sections are
             not rigid.
         """
-        from fem.sensitivities import Sensitivities, sloped_answer
+        from fem.sensitivities import VOLUME_ERROR, Sensitivities, sloped_answer
 
         # Those in the shaft, once known, hold what the throw alone needs.
         joined = isinstance(support, Neighbors) or "changes_in_shaft" in vars(self)
         changes, left_out = self.changes_in_shaft if joined else self._changes_alone
         if quantity in ("mass", "inertia"):
             shares = {path: getattr(change, quantity) for path, change in changes.items()}
-            return Sensitivities(quantity, "", shares, left_out, 0.0)
+            return Sensitivities(quantity, "", shares, left_out, VOLUME_ERROR)
         throw, force = self.superelement, pin_force
         checked_pin(pin, len(self.mesh.pins))
         along = throw.radials[pin] if force is None else checked_vector("pin_force", force, "N")
@@ -633,7 +634,9 @@ class ThrowAnalysis(SolvedSuperelement):
                 "are not, because a slope is a share of them."
             )
         shares = {path: change.share(answer) for path, change in changes.items()}
-        error = abs(1.0 - answer(self.discrete.superelement) / value)
+        plain = self.discrete.superelement
+        coarse = axial_correction(throw, plain)
+        error = float(slope_errors(value, answer(plain), coarse, throw.missing))
         return Sensitivities(quantity, str(support), shares, left_out, error)
 
     def plot(

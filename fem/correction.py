@@ -43,6 +43,8 @@ Integers = NDArray[np.int64]
 
 # Order of components of a stress: xx, yy, zz, xy, yz, zx.
 ROWS, COLUMNS = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
+# The component of each entry of a tensor.
+TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 SAMPLING_ORDER = 2  # four points
 # Stress differences are quadratic in an element, their energy is of fourth order.
 ENERGY_ORDER = 4
@@ -115,6 +117,23 @@ class EnergyErrors:
         return float(self.elements.sum() / self.energy)
 
 
+@dataclass(frozen=True)
+class ErrorDuals:
+    """Estimated errors of k solutions, by element.
+
+    Attributes
+    ----------
+    products : (m, k, k) array
+        Mutual energies of the errors in each element [J].
+    stresses : (m, 4, 6, k) array
+        Of each solution: stresses at the sampling points, integrated over the volume, whose work on the
+        strain of another is the mutual energy of the errors of both [N m].
+    """
+
+    products: Array
+    stresses: Array
+
+
 class StressRecovery:
     """Recovers stresses on one mesh, and finds the energies of their difference from those of the elements.
 
@@ -182,6 +201,90 @@ class StressRecovery:
             )
         return total
 
+    def duals(self, displacements: Array, material: Material) -> "ErrorDuals":
+        """Find by what the mutual energies of the errors of solutions (n, 3, k) change with these."""
+        count = displacements.shape[2]
+        lame, shear = _roots(material)
+        samples = self._samples(displacements, lame, shear)
+        products = np.empty((len(samples), count, count))
+        nodal, duals = np.zeros((self._count, 6 * count)), np.empty_like(samples)
+        combine = _difference_rows()
+        for batch, rows in self._differences(samples):
+            volumes = self._volumes[batch].sum(axis=1)[:, None, None]
+            weighed = volumes * rows
+            products[batch] = rows.transpose(0, 2, 1) @ weighed
+            back = combine.T @ weighed.reshape(len(rows), 10, -1)
+            np.add.at(nodal, self._elements[batch], back[:, :10])
+            duals[batch] = back[:, 10:].reshape(samples[batch].shape)
+        for start, stop, at, to in zip(
+            self._limits, self._limits[1:], self._at, self._at[1:], strict=False
+        ):
+            sides = self._fit[at:to].T @ nodal[self._nodes[at:to]]
+            patch = self._terms[start:stop].reshape(-1, 10) @ sides
+            duals[self._round[start:stop]] += patch.reshape(stop - start, *samples.shape[1:])
+        trace = lame * duals[:, :, :3].sum(axis=2, keepdims=True)
+        duals *= shear
+        duals[:, :, :3] *= 2.0
+        duals[:, :, :3] += trace
+        return ErrorDuals(products, duals)
+
+    def forces(self, stresses: Array) -> Array:
+        """Forces (n, 3, k) on the nodes whose work is that of integrated stresses (m, 4, 6, k)."""
+        count = stresses.shape[3]
+        forces = np.zeros((self._count, 3 * count))
+        for batch in self._batches(count):
+            spatial = self._spatial[batch]
+            rows = spatial.transpose(0, 2, 1, 3).reshape(len(spatial), 10, 12)
+            # In rows: sampling point and derivative; in columns: axis of the force and solution.
+            tensors = stresses[batch][:, :, TENSOR].reshape(len(spatial), 12, 3 * count)
+            np.add.at(forces, self._elements[batch], rows @ tensors)
+        return forces.reshape(-1, 3, count)
+
+    def work_slopes(self, stresses: Array, displacements: Array, moving: Array) -> Array:
+        """Derivatives (v, k, k) of the work of integrated stresses (column) on solutions (row).
+
+        Parameters
+        ----------
+        stresses : (m, 4, 6, k) array
+            That stay.
+        displacements : (n, 3, k) array
+            That move with the nodes: their gradients change by -(grad u grad v).
+        moving : (n, v, 3) array
+            Velocities of the nodes.
+        """
+        count, velocities = displacements.shape[2], moving.shape[1]
+        total = np.zeros((velocities, count * count))
+        for batch in self._batches(count * count):
+            nodes, spatial = self._elements[batch], self._spatial[batch]
+            size = len(nodes), 4, 3
+            across = spatial.transpose(0, 1, 3, 2).reshape(len(nodes), 12, 10)
+            slopes = across @ displacements[nodes].reshape(len(nodes), 10, -1)
+            turns = across @ moving[nodes].reshape(len(nodes), 10, -1)
+            # works[k, u, j, s]: d u_i / d x_k times stress s_ij, to be multiplied by d v_k / d x_j
+            works = slopes.reshape(*size, 3, count).swapaxes(3, 4) @ stresses[batch][
+                :, :, TENSOR
+            ].reshape(len(nodes), 4, 1, 3, -1)
+            ordered = works.reshape(*size, count, 3, count).transpose(0, 1, 4, 2, 3, 5)
+            turned = turns.reshape(*size, velocities, 3).transpose(3, 0, 1, 2, 4)
+            total -= turned.reshape(velocities, -1) @ ordered.reshape(-1, count * count)
+        return total.reshape(velocities, count, count)
+
+    def growths(self, moving: Array) -> Array:
+        """Relative change (m, v) of the elements' volumes by velocities (n, v, 3) of the nodes."""
+        growths = np.empty((len(self._elements), moving.shape[1]))
+        for batch in self._batches(moving.shape[1]):
+            weighed = self._volumes[batch][:, None] @ self._spatial[batch].reshape(
+                *self._volumes[batch].shape, 30
+            )
+            nodes = (
+                moving[self._elements[batch]]
+                .transpose(0, 1, 3, 2)
+                .reshape(-1, 30, growths.shape[1])
+            )
+            volumes = self._volumes[batch].sum(axis=1)[:, None]
+            growths[batch] = (weighed @ nodes)[:, 0] / volumes
+        return growths
+
     def _samples(self, displacements: Array, lame: float, shear: float | Array) -> Array:
         """Stresses (m, 4, 6, k) of the elements at the sampling points."""
         count = displacements.shape[2]
@@ -209,11 +312,7 @@ class StressRecovery:
         Given as rows (b, 60, k) whose sum of squares is the mean square over each element. Stress is linear
         inside a straight element; the recovered one is a quadratic between the nodes.
         """
-        values, _, weights = shapes_for_quadrature(ENERGY_ORDER)
-        masses = (values.T * weights / weights.sum()) @ values
-        linear = _linear_through_samples(np.vstack([np.eye(4), 0.5 * _ENDS]))
-        combine = np.linalg.cholesky(masses).T @ np.hstack([np.eye(10), -linear])
-        recovered = self._recovered(samples)
+        combine, recovered = _difference_rows(), self._recovered(samples)
         count = samples.shape[3]
         for batch in self._batches(count):
             nodes = recovered[self._elements[batch]]
@@ -246,6 +345,14 @@ def _terms(local: Array) -> Array:
     return np.stack([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, y * z, z * x], axis=-1)
 
 
+def _difference_rows() -> Array:
+    """Rows (10, 14) that give a difference of stresses from those at nodes and sampling points."""
+    values, _, weights = shapes_for_quadrature(ENERGY_ORDER)
+    masses = (values.T * weights / weights.sum()) @ values
+    linear = _linear_through_samples(np.vstack([np.eye(4), 0.5 * _ENDS]))
+    return np.asarray(np.linalg.cholesky(masses).T @ np.hstack([np.eye(10), -linear]))
+
+
 def _linear_through_samples(corners: Array) -> Array:
     """Weights (q, 4) of the sampling points in a linear function at places of these coordinates.
 
@@ -269,6 +376,12 @@ UNCERTAINTY, MESH_UNCERTAINTY, MESH_NOISE = 0.12, 0.1, 1e-4
 COARSE, COARSE_UNCERTAINTY = 0.03, 0.3
 # A correction of so much of any motion's energy is none: the mesh tells nothing.
 LARGEST_SHARE = 0.5
+
+
+# What is left of the error of an answer's slopes over dimensions is within this share of its correction, this
+# share of that of the axial compliance, and what slopes of two meshes differ by in any case, together:
+# in 95 of 100 slopes of random throws (tests/campaigns/slopes.py).
+SLOPE_UNCERTAINTY, MESH_SLOPE_UNCERTAINTY, SLOPE_NOISE = 0.25, 0.2, 1e-3
 
 
 def class_energies(part: CondensedClass, recovery: StressRecovery, material: Material) -> Array:
@@ -351,6 +464,18 @@ def error_bars(
     floor += COARSE_UNCERTAINTY * max(0.0, axial_correction - COARSE)
     size = np.abs(answers if sizes is None else np.asarray(sizes, dtype=float))
     return np.asarray(UNCERTAINTY * np.abs(answers - plain) + floor * size)
+
+
+def slope_errors(
+    corrected: ArrayLike, discrete: ArrayLike, axial_correction: float, missing: float = 0.0
+) -> Array:
+    """Estimated errors of d ln(result) / d ln(dimension), whatever the dimension.
+
+    Parameters as of `error_bars`; no result is zero.
+    """
+    correction = np.abs(1.0 - np.divide(discrete, corrected))
+    floor = MESH_SLOPE_UNCERTAINTY * axial_correction + SLOPE_NOISE
+    return np.asarray(SLOPE_UNCERTAINTY * correction + missing + floor)
 
 
 def _largest_share(stiffness: Array, energies: Array) -> float:

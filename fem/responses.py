@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from crankbase.table import text_rows
 from fem.analysis import Mesher, Problem, solve_to_accuracy
 from fem.angle_law import effective_angle_law
-from fem.correction import error_bars
+from fem.correction import error_bars, slope_errors
 from fem.fillet_stress import fillet_stresses
 from fem.material import STEEL, Material
-from fem.sensitivities import dimension_changes
+from fem.sensitivities import VOLUME_ERROR, dimension_changes
 from fem.solver import Stopwatch
 from fem.superelement import RX, RY, Superelement, checked_superelement, combine_classes
 from fem.supports import Neighbors, Support, all_end_motions, support_throw
@@ -173,8 +173,7 @@ class ThrowResponses:
     slopes : dict
         Response to its d ln(response) / d ln(dimension) by the dimension's path, where wanted and known.
     slope_errors : dict
-        Estimated error of the slopes of each response: the share of it that is correction for
-        discretization, which is not differentiated.
+        Estimated error of the slopes of each response.
     """
 
     values: dict[str, float]
@@ -252,7 +251,7 @@ def evaluate_throw(
         answers["fillet_stress_factor"] = _largest_factor(throw, material, mesher)
     order = sorted(answers, key=[*RESPONSES, *answers].index)
     shares: dict[str, dict[str, float]] = {}
-    corrections = {name: abs(1.0 - plain[name] / value) for name, value in values.items() if value}
+    slope_bars: dict[str, float] = {}
     if slopes:
         changes, _ = dimension_changes(
             throw,
@@ -266,27 +265,33 @@ def evaluate_throw(
         for path, change in changes.items():
             grown = mass * (1.0 + STEP * change.mass), inertia * (1.0 + STEP * change.inertia)
             larger = answered(change.ends[1], change.throws[1], *grown)
-            by_path[path] = _shares(larger, plain) | {"mass": change.mass}
+            by_path[path] = _shares(larger, values) | {"mass": change.mass}
         shares = {
             name: {path: found[name] for path, found in by_path.items() if name in found}
             for name in order
         }
+        coarse = level.axial_correction, corrected.missing
+        slope_bars = {
+            name: float(slope_errors(value, plain[name], *coarse))
+            for name, value in values.items()
+            if value
+        }
         for support in SUPPORTS:
-            parts = [corrections[name] for name in _reaction_of(support)]
-            corrections[f"axial_reaction_{support}"] = math.hypot(*parts)
-        corrections["mass"] = answers["mass"][1]
+            parts = [slope_bars[name] for name in _reaction_of(support)]
+            slope_bars[f"axial_reaction_{support}"] = math.hypot(*parts)
+        slope_bars["mass"] = VOLUME_ERROR
     return ThrowResponses(
         {name: answers[name][0] for name in order},
         {name: abs(answers[name][1]) for name in order},
         level.mesh.unknowns,
         {name: found for name, found in shares.items() if found},
-        {name: corrections[name] for name, found in shares.items() if found},
+        {name: slope_bars[name] for name, found in shares.items() if found},
     )
 
 
-def _shares(larger: Mapping[str, float], plain: Mapping[str, float]) -> dict[str, float]:
+def _shares(larger: Mapping[str, float], values: Mapping[str, float]) -> dict[str, float]:
     """Return d ln(response) / d ln(dimension) of all responses that are not zero, by their values."""
-    shares = {name: (larger[name] / value - 1.0) / STEP for name, value in plain.items() if value}
+    shares = {name: (larger[name] / value - 1.0) / STEP for name, value in values.items() if value}
     for support in SUPPORTS:
         influence, axial = (shares[name] for name in _reaction_of(support))
         shares[f"axial_reaction_{support}"] = influence - axial

@@ -10,8 +10,8 @@ the work of Eshelby's configurational stress on grad v (J. D. Eshelby, Phil. Tra
 with its place. No further displacement is solved for. Only the motion of the surface matters, along its
 normal; inside, nodes move as smoothly as that lets them.
 
-Slopes are those of the discretized answer, whatever small elements do to it; the answers' correction for
-discretization is not differentiated, and its share is the slopes' error.
+The correction of the answers for discretization changes as well (`fem.error_slopes`): slopes are those of the
+corrected answers.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -27,7 +27,9 @@ from crankbase.diagrams import draw_rows, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Number, Quantity, Result, result
+from fem.correction import StressRecovery, corrected_class, effectivity
 from fem.end_reactions import END_LOADS
+from fem.error_slopes import ErrorAdjoint, error_adjoints
 from fem.material import Material
 from fem.solver import (
     QUADRATURE_ORDER,
@@ -46,7 +48,7 @@ from fem.superelement import (
     section_ring,
     unit_end_motions,
 )
-from fem.supports import Support, pin_compliance, reactions, support_throw
+from fem.supports import Support, axial_motion, pin_compliance, reactions, support_throw
 from fem.symmetry import (
     RIGID,
     NodalLoads,
@@ -69,6 +71,8 @@ Array = NDArray[np.float64]
 
 # Stiffness that holds corners on the moving surface, in largest entries of the matrix.
 HELD = 1e6
+# Of an element in the motion of the nodes, beside one of the median density of the error.
+LEAST_WEIGHT, MOST_WEIGHT = 1e-2, 1e4
 # Surfaces that touch, as a fillet and its journal, have normals as parallel as this.
 PARALLEL = 1e-3
 # Numbers taken at once, so that they stay in the cache.
@@ -86,6 +90,9 @@ SLOPED = (
 )
 # Exact for the volume of curved elements, and for their moment of inertia but for 1e-6 of it.
 VOLUME_ORDER = 5
+# Of the slopes of mass and inertia, for facets that the mesh's edges bend in one way only: at most 1e-3 on
+# coarse meshes of random throws.
+VOLUME_ERROR = 2e-3
 
 
 @result("quantity", "support", "shares")
@@ -103,8 +110,7 @@ class Sensitivities(Result):
     left_out : mapping
         Dimensions without one, and the reason.
     error : float
-        Share of the answer that is correction for discretization, which is not differentiated: how well the
-        larger ones of the shares are known.
+        Estimated error of each share, for discretization (docs/accuracy.md).
     """
 
     quantity: str
@@ -260,12 +266,20 @@ def dimension_changes(
     motion = boundary_motion(solved, mesh, paths)
     if not motion.speeds:
         return {}, motion.left_out
-    velocities = node_velocities(mesh, motion, classes[0].solver)
+    recovery = StressRecovery(mesh.points, mesh.elements)
+    adjoints = error_adjoints(mesh, material, recovery, plain)
+    errors = [
+        adjoint.shares(part.up_to(RIGID).fields.shape[2])
+        for part, adjoint in zip(plain, adjoints, strict=True)
+    ]
+    velocities = node_velocities(mesh, motion, classes[0].solver, np.sum(errors, axis=0))
     moving = list(velocities.values())
-    by_class, masses = class_slopes(mesh, material, plain, moving), mass_slopes(mesh, moving)
+    by_class = class_slopes(mesh, material, plain, moving, recovery, adjoints)
+    masses = mass_slopes(mesh, moving)
+    axial = [part.symmetry for part in plain].index(axial_class(mesh.part))
     sizes, changes = lengths_of(solved), {}
     discs = end_surfaces(mesh) if joined else []
-    known = section_ring(discs, mesh.points) if discs else ()
+    ring_here = section_ring(discs, mesh.points) if discs else ()
     for path, slopes, (mass, inertia) in zip(
         velocities, zip(*by_class, strict=True), masses, strict=True
     ):
@@ -281,13 +295,22 @@ def dimension_changes(
                 )
                 for part, slope in zip(plain, slopes, strict=True)
             ]
+            energies = [
+                adjoint.energies + step * slope.energies
+                for adjoint, slope in zip(adjoints, slopes, strict=True)
+            ]
+            factor = effectivity(mesh, axial_share(moved[axial], energies[axial]))
+            moved = [
+                corrected_class(part, energy, factor) if known.discrete else part
+                for part, energy, known in zip(moved, energies, parts, strict=True)
+            ]
             made = combine_classes(moved, radial_directions(end))
             if made.bending:
                 # What is held of a section that bends is its mean motion, over a ring that changes.
                 points = mesh.points + step * velocities[path]
                 surfaces = [disc.at(points[disc.nodes], disc.images) for disc in discs]
                 ring = section_ring(surfaces, points)
-                if not np.allclose(ring, known, rtol=SAME_RING * STEP, atol=0.0):
+                if not np.allclose(ring, ring_here, rtol=SAME_RING * STEP, atol=0.0):
                     sections = SectionMotions(made.bending.sections.degree, *ring)
                     made = replace(made, bending=made.bending.shared_with(sections))
             ends.append(made)
@@ -295,6 +318,15 @@ def dimension_changes(
             motion.beside[path], (ends[0], ends[1]), sizes[path] * mass, sizes[path] * inertia
         )
     return changes, motion.left_out
+
+
+def axial_share(part: CondensedClass, energies: Array) -> float:
+    """Estimated error of the axial compliance, pinned, as a share of it, by those of the axial class."""
+    motion = axial_motion(part.up_to(RIGID), "pinned")
+    rigid = slice(len(motion))
+    return float(
+        motion @ energies[rigid, rigid] @ motion / (motion @ part.stiffness[rigid, rigid] @ motion)
+    )
 
 
 def mass_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[tuple[float, float]]:
@@ -316,11 +348,14 @@ def mass_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[tuple[floa
     return [(float(mass), float(inertia)) for mass, inertia in changes]
 
 
-def node_velocities(mesh: ThrowMesh, motion: BoundaryMotion, solver: str) -> dict[str, Array]:
+def node_velocities(
+    mesh: ThrowMesh, motion: BoundaryMotion, solver: str, errors: Array | None = None
+) -> dict[str, Array]:
     """Velocities (n, 3) of a mesh's nodes, by dimension.
 
-    Corners move as smoothly as the surface lets them: the sum of |grad v|^2 is least. Edge nodes move as
-    their corners do, on the surface along its normal as they must.
+    Corners move as smoothly as the surface lets them: the sum of |grad v|^2 is least. With the elements'
+    shares (m,) of the error it is weighed, so that those whose errors count keep their shape. Edge nodes
+    move as their corners do, on the surface along its normal as they must.
     """
     corners, elements = np.unique(mesh.elements[:, :4], return_inverse=True)
     elements = elements.reshape(-1, 4)
@@ -330,9 +365,12 @@ def node_velocities(mesh: ThrowMesh, motion: BoundaryMotion, solver: str) -> dic
     sides = mesh.points[mesh.elements[:, 1:4]] - mesh.points[mesh.elements[:, :1]]
     others = np.linalg.inv(sides).transpose(0, 2, 1)
     gradients = np.concatenate([-others.sum(axis=1, keepdims=True), others], axis=1)
-    products = (gradients @ gradients.transpose(0, 2, 1)) * np.abs(np.linalg.det(sides))[
-        :, None, None
-    ]
+    volumes = np.abs(np.linalg.det(sides))
+    weights = volumes
+    if errors is not None:
+        densities = errors / volumes
+        weights = volumes * np.clip(densities / np.median(densities), LEAST_WEIGHT, MOST_WEIGHT)
+    products = (gradients @ gradients.transpose(0, 2, 1)) * weights[:, None, None]
     laplacian = sparse.csr_array(
         (products.ravel(), (np.repeat(elements, 4, axis=1).ravel(), np.tile(elements, 4).ravel())),
         shape=(len(corners),) * 2,
@@ -400,44 +438,72 @@ def _step(mesh: ThrowMesh, velocity: Array) -> float:
     return SHIFT * mesh.length / (float(np.abs(velocity).max()) or 1.0)
 
 
+@dataclass(frozen=True)
+class ClassSlopes:
+    """Derivatives of a condensed class.
+
+    Attributes
+    ----------
+    stiffness, pin_loads, pin_flexibility : arrays
+        As of a `CondensedClass`.
+    energies : (k + a, k + a) array
+        Those of the mutual energies of its errors [J].
+    """
+
+    stiffness: Array
+    pin_loads: Array
+    pin_flexibility: Array
+    energies: Array
+
+
 def class_slopes(
     mesh: ThrowMesh,
     material: Material,
     classes: Sequence[CondensedClass],
     velocities: Sequence[Array],
-) -> list[list[CondensedClass]]:
-    """Derivatives of stiffness, pin loads and pins' flexibility, in their place, by class and velocity."""
+    recovery: StressRecovery,
+    adjoints: Sequence[ErrorAdjoint],
+) -> list[list[ClassSlopes]]:
+    """Find the derivatives of condensed classes, by class and velocity."""
     loads = load_slopes(mesh, velocities)
-    solutions = [np.concatenate([part.fields, part.pin_fields], axis=2) for part in classes]
+    moving = np.stack(velocities, axis=1)
+    solutions = [np.concatenate([each.solutions, each.fields], axis=2) for each in adjoints]
     changes = energy_slopes(mesh, material, solutions, velocities)
     # Forces are needed on the end sections alone.
     ends = np.concatenate([nodes_on(mesh, end) for end in end_sections(axial_class(mesh.part))])
     beside = mesh.elements[np.isin(mesh.elements, ends).any(axis=1)]
     stiffness = assemble_stiffness(mesh.points, beside, material)
     by_class = []
-    for part, both, of_velocities in zip(classes, solutions, changes, strict=True):
-        count, copies = part.fields.shape[2], part.symmetry.copies
-        forces = symmetric_product(stiffness, both.reshape(-1, both.shape[2])).reshape(both.shape)
+    for part, adjoint, of_velocities in zip(classes, adjoints, changes, strict=True):
+        both, copies = adjoint.solutions, part.symmetry.copies
+        count, every = part.fields.shape[2], both.shape[2]
+        halves = adjoint.slopes(recovery, moving, of_velocities[:, :every, every:])
+        forces = symmetric_product(stiffness, both.reshape(-1, every)).reshape(both.shape)
         before = unit_end_motions(mesh, part.symmetry, part.sections)
         slopes = []
-        for velocity, change, of_pins in zip(velocities, of_velocities, loads, strict=True):
+        for velocity, change, half, of_pins in zip(
+            velocities, of_velocities, halves, loads, strict=True
+        ):
             step = _step(mesh, velocity)
             moved = unit_end_motions(mesh, part.symmetry, part.sections, step * velocity)
-            work = np.zeros((count, both.shape[2]))
+            work = np.zeros((count, every))
             for (nodes, first), (_, last) in zip(before, moved, strict=True):
                 work += np.einsum("sak,sac->kc", (last - first) / step, forces[nodes])
+                half[:count] -= np.einsum(
+                    "sak,sac->kc", (last - first) / step, adjoint.forces[nodes]
+                )
             energy = change[:count, :count] + work[:, :count] + work[:, :count].T
             works, carried = np.zeros_like(part.pin_loads), np.zeros_like(part.pin_flexibility)
             for column, (pin, component) in enumerate(part.pin_components):
+                nodes = of_pins[pin].nodes
                 load = of_pins[pin].of_class(part.symmetry)[..., component]
-                moving = np.einsum("sa,sac->c", load, both[of_pins[pin].nodes])
+                moving_work = np.einsum("sa,sac->c", load, both[nodes])
                 held = change[count + column, :count] + work[:, count + column]
-                works[pin, :, component] = moving[:count] - copies * held
-                carried[column] = moving[count:]
-            flexibility = carried + carried.T - copies * change[count:, count:]
-            slopes.append(
-                replace(part, stiffness=energy, pin_loads=works, pin_flexibility=flexibility)
-            )
+                works[pin, :, component] = moving_work[:count] - copies * held
+                carried[column] = moving_work[count:]
+                half[count + column] += np.einsum("sa,sac->c", load, adjoint.fields[nodes]) / copies
+            flexibility = carried + carried.T - copies * change[count:every, count:every]
+            slopes.append(ClassSlopes(energy, works, flexibility, half + half.T))
         by_class.append(slopes)
     return by_class
 

@@ -364,20 +364,36 @@ def _with_given_ends(
     """
     given = [motions for _, motions in unit_end_motions(mesh, symmetry, held.sections)]
     motions = np.concatenate(given).reshape(len(held.ends), -1)
+    return solve_given_ends(mesh, held, motions, pin_loads, symmetry, solver, watch)
+
+
+def solve_given_ends(
+    mesh: ThrowMesh,
+    held: HeldEnds,
+    motions: Array,
+    loads: Array,
+    symmetry: SymmetryClass,
+    solver: SharedSolver,
+    watch: Stopwatch,
+) -> tuple[Array, Array]:
+    """Find fields and forces (3 n, k + a) of motions (h, k) of the end sections, and of loads (3 n, a).
+
+    Forces are those beside the loads, which hold the end sections and where the class blocks the cuts.
+    """
     count = motions.shape[1]
-    fields, forces = np.zeros((2, mesh.points.size, count + pin_loads.shape[1]))
+    fields, forces = np.zeros((2, mesh.points.size, count + loads.shape[1]))
     fields[held.ends, :count] = motions
     # What is prescribed acts as a load on the free unknowns.
-    loads = np.hstack([-(held.coupling @ motions), pin_loads[held.free]])
+    sides = np.hstack([-(held.coupling @ motions), loads[held.free]])
     blocked = blocked_unknowns(mesh, symmetry).ravel()[held.free]
-    loads[blocked] = 0.0
+    sides[blocked] = 0.0
     factors = solver.factorize(uncoupled(held.inner, blocked))
     with watch.lap("solves"):
-        fields[held.free], residual = factors.solve_with_residual(loads)
+        fields[held.free], residual = factors.solve_with_residual(sides)
     forces[held.free] = -residual
     forces[held.ends] = held.coupling.T @ fields[held.free]
     forces[held.ends] += held.own @ fields[held.ends]
-    forces[held.ends, count:] -= pin_loads[held.ends]
+    forces[held.ends, count:] -= loads[held.ends]
     return fields, forces
 
 

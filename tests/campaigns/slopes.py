@@ -1,12 +1,12 @@
 """Slopes of random throws over all dimensions: their sums, and some against other meshes.
 
 Run by hand: ``python tests/campaigns/slopes.py [COUNT] [FIRST SEED] [ACCURACY] [MESHES]``; with ``remeshed
-ACCURACY SEED ...`` all slopes of these throws are compared with differences between meshes. The figures
-are in docs/accuracy.md. A throw of f times the size has 1/f of the axial, 1/f^3 of the torsional compliance
-and f^3 of the mass, and under the same force the same reactions and f times their moments, so the slopes
-over all lengths add up to -1, -3, 3, 0 and 1: nothing in their calculation makes them. Of a throw all of
-whose lengths have slopes, one is also changed by 3 to 4 % either way, so many times with other elements,
-if at all.
+ACCURACY DIFFERENCED SEED ...`` all slopes of these throws are compared with differences between meshes for
+the second accuracy. The figures are in docs/accuracy.md. A throw of f times the size has 1/f of the axial,
+1/f^3 of the torsional compliance and f^3 of the mass, and under the same force the same reactions and f
+times their moments, so the slopes over all lengths add up to -1, -3, 3, 0 and 1: nothing in their calculation
+makes them. Of a throw all of whose lengths have slopes, one is also changed by 3 to 4 % either way, so many
+times with other elements, if at all.
 """
 
 import sys
@@ -66,35 +66,35 @@ def value(analysis: ThrowAnalysis, quantity: str, support: Support) -> float:
     return sloped_answer(quantity, support, 0, None)(analysis.superelement)
 
 
-def remeshed(accuracy: float, seeds: Sequence[int]) -> None:
-    """Print every slope of some throws that is not within 1.5 % or 0.005 of differences between meshes.
+def remeshed(accuracy: float, differenced: float, seeds: Sequence[int]) -> None:
+    """Print every slope of some throws that is not within its error of differences between other meshes.
 
-    With sharp corners, of which meshes scatter, within 0.02. What two standard errors of the mean difference
-    explain is counted apart.
+    Slopes are those of one mesh for an accuracy, differences those between three pairs of about another. What
+    two standard errors of the mean difference explain is counted apart.
     """
-    answers, accuracies = [*ANSWERS], [share * accuracy for share in (1.2, 1.0, 0.8)]
+    answers, accuracies = [*ANSWERS], [share * differenced for share in (1.2, 1.0, 0.8)]
     for seed in seeds:
         throw = random_throw(seed)
         analysis = analyze_throw(throw, accuracy=accuracy)
-        slopes = [analysis.sensitivities(*answer).shares for answer in answers]
+        slopes = [analysis.sensitivities(*answer) for answer in answers]
         compared = within = explained = 0
-        least = 0.005 if throw.filleted else 0.02
-        for path in slopes[0]:
+        for path in slopes[0].shares:
             try:
                 differences = between_meshes(throw, path, accuracies, answers)
             except (InputError, MeshError):
                 continue
             means = differences.mean(axis=0)
             scatter = differences.std(axis=0, ddof=1) / np.sqrt(len(differences))
-            for answer, shares, mean, spread in zip(answers, slopes, means, scatter, strict=True):
+            for answer, slope, mean, spread in zip(answers, slopes, means, scatter, strict=True):
                 compared += 1
-                apart = abs(shares[path] - mean) - max(least, 0.015 * abs(mean))
+                apart = abs(slope[path] - mean) - slope.error
                 if apart <= 0.0:
                     within += 1
                     continue
                 explained += apart <= 2.0 * spread
                 name = f"{answer[0]} {answer[1]}, {path}"
-                print(f"  {name}: {shares[path]:+.4f}, {mean:+.4f} +- {spread:.4f}", flush=True)
+                print(f"  {name}: {slope[path]:+.4f} +- {slope.error:.4f}, "
+                      f"{mean:+.4f} +- {spread:.4f}", flush=True)  # fmt: skip
         print(
             f"seed {seed}, {analysis.mesh.part}: {within} of {compared} slopes within, {explained} more by "
             "two standard errors", flush=True
@@ -150,7 +150,8 @@ def main(count: int = 100, first: int = 1, accuracy: float = 0.01, meshes: int =
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["remeshed"]:
-        remeshed(float(sys.argv[2]), [int(text) for text in sys.argv[3:]])
+        accuracies = (float(text) for text in sys.argv[2:4])
+        remeshed(*accuracies, [int(text) for text in sys.argv[4:]])
     else:
         kinds = (int, int, float, int)
         main(*(kind(text) for kind, text in zip(kinds, sys.argv[1:], strict=False)))

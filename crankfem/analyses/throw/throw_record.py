@@ -314,10 +314,10 @@ class ThrowResults(Result):
 
     def slope_words(self, *, left_out: bool = True) -> str:
         """State what the slopes are of and how well they are known; and which dimensions have none."""
-        slope = (self.slopes or ())[0]
+        slope, errors = (self.slopes or ())[0], sorted(each.error for each in self.slopes or ())
         words = [
-            "P and Mx: reactions of the right and the left end to a radial force on the first pin; slopes of "
-            f"the mesh's answer, whose correction of {percent(slope.error)} % of e_n is not differentiated"
+            "P and Mx: reactions of the right and the left end to a radial force on the first pin; estimated "
+            f"error of each slope {errors[0]:.3f} to {errors[-1]:.3f}"
         ]
         reasons = slope.left_out if left_out else {}
         if zero := [path for path, reason in reasons.items() if reason == ZERO]:

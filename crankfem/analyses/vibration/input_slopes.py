@@ -318,7 +318,7 @@ def _over_throws(shaft: _Shaft, model: _Model, left_out: dict[str, str]) -> Side
             held = [
                 shaft_compliances(
                     [
-                        end if crank == name else model.analyses[crank].discrete.superelement
+                        end if crank == name else model.analyses[crank].superelement
                         for crank in file.throw_names
                     ],
                     crank_angles_deg=file.throw_angles_deg,
