@@ -576,7 +576,14 @@ class ThrowAnalysis(SolvedSuperelement):
     def _changes(self, *, joined: bool) -> "tuple[dict[str, DimensionChange], dict[str, str]]":
         from fem.sensitivities import dimension_changes
 
-        return dimension_changes(self.throw, self.mesh, self.material, self.classes, joined=joined)
+        return dimension_changes(
+            self.throw,
+            self.mesh,
+            self.material,
+            self.classes,
+            joined=joined,
+            corrected=self.corrected,
+        )
 
     def sensitivities(
         self,
@@ -636,7 +643,7 @@ class ThrowAnalysis(SolvedSuperelement):
         shares = {path: change.share(answer) for path, change in changes.items()}
         plain = self.discrete.superelement
         coarse = axial_correction(throw, plain)
-        error = float(slope_errors(value, answer(plain), coarse, throw.missing))
+        error = float(slope_errors(value, answer(plain), coarse, self.corrected, throw.missing))
         return Sensitivities(quantity, str(support), shares, left_out, error)
 
     def plot(

@@ -28,6 +28,7 @@ from fem.correction import StressRecovery
 from fem.material import Material
 from fem.solver import SharedSolver, Stopwatch, assemble_stiffness
 from fem.superelement import CondensedClass, hold_ends, solve_given_ends
+from fem.symmetry import RIGID, NodalLoads
 from geometry.mesh import ThrowMesh
 
 Array = NDArray[np.float64]
@@ -38,12 +39,18 @@ RIGID_SHARE = 1e-12
 
 @dataclass(frozen=True)
 class ErrorAdjoint:
-    """Estimated errors of a class's solutions, and adjoint solutions.
+    """Estimated errors of the solutions of a class with rigid sections, and adjoint solutions.
+
+    Of motions of sections that bend, the small corrections are taken not to change.
 
     Attributes
     ----------
+    recovery : StressRecovery
+        Of the mesh.
+    motions : int
+        Number of unit motions of the end sections.
     solutions : (n, 3, c) array
-        Fields of unit motions of the end sections, then of loads on the pins.
+        Their fields, then those of loads on the pins.
     products : (m, c, c) array
         Mutual energies of their errors, by element [J].
     stresses : (m, 4, 6, c) array
@@ -54,6 +61,8 @@ class ErrorAdjoint:
         That the end sections take under these.
     """
 
+    recovery: StressRecovery
+    motions: int
     solutions: Array
     products: Array
     stresses: Array
@@ -65,39 +74,60 @@ class ErrorAdjoint:
         """Mutual energies (c, c) of the errors in the meshed part [J]."""
         return np.asarray(self.products.sum(axis=0))
 
-    def shares(self, count: int) -> Array:
-        """Sum of the share (m,) that each element has in the error's energy, over the first solutions."""
-        energies = np.diagonal(self.products, axis1=1, axis2=2)[:, :count]
+    @property
+    def shares(self) -> Array:
+        """Sum over the unit motions of the share (m,) that each element has in the energy of the error."""
+        energies = np.diagonal(self.products, axis1=1, axis2=2)[:, : self.motions]
         whole = energies.sum(axis=0)
         strained = whole > RIGID_SHARE * whole.max()
         return np.asarray((energies[:, strained] / whole[strained]).sum(axis=1))
 
-    def slopes(self, recovery: StressRecovery, moving: Array, stiffness_slopes: Array) -> Array:
-        """Derivatives (v, c, c) of the energies, but for what acts at end sections and pins; one half.
+    def slopes(
+        self,
+        part: CondensedClass,
+        moving: Array,
+        stiffness_slopes: Array,
+        shifts: Sequence[Sequence[tuple[NDArray[np.int64], Array]]],
+        loads: Sequence[Sequence[NodalLoads]],
+    ) -> Array:
+        """Derivatives (v, c, c) of the energies.
 
         Parameters
         ----------
+        part : CondensedClass
         moving : (n, v, 3) array
             Velocities of the nodes.
         stiffness_slopes : (v, c, c) array
             Derivatives of the mutual energy of solutions (row) and adjoint solutions (column).
+        shifts : by velocity, nodes and change of the unit motions prescribed there (s, 3, k)
+        loads : by velocity, change of the unit loads on each pin
         """
         count = len(self.products[0])
-        grown = recovery.growths(moving).T @ self.products.reshape(-1, count * count)
-        works = recovery.work_slopes(self.stresses, self.solutions, moving)
-        return np.asarray(works - stiffness_slopes + 0.5 * grown.reshape(works.shape))
+        grown = self.recovery.growths(moving).T @ self.products.reshape(-1, count * count)
+        halves = self.recovery.work_slopes(self.stresses, self.solutions, moving)
+        halves += 0.5 * grown.reshape(halves.shape) - stiffness_slopes
+        for half, of_ends, of_pins in zip(halves, shifts, loads, strict=True):
+            for nodes, shift in of_ends:
+                prescribed = shift[..., : self.motions]
+                half[: self.motions] -= np.einsum("sak,sac->kc", prescribed, self.forces[nodes])
+            for column, (pin, component) in enumerate(part.pin_components):
+                load = of_pins[pin].of_class(part.symmetry)[..., component] / part.symmetry.copies
+                work = np.einsum("sa,sac->c", load, self.fields[of_pins[pin].nodes])
+                half[self.motions + column] += work
+        return np.asarray(halves + halves.transpose(0, 2, 1))
 
 
 def error_adjoints(
-    mesh: ThrowMesh, material: Material, recovery: StressRecovery, classes: Sequence[CondensedClass]
+    mesh: ThrowMesh, material: Material, classes: Sequence[CondensedClass]
 ) -> list[ErrorAdjoint]:
-    """Solve for the adjoints of all classes of a throw with rigid end sections."""
+    """Solve for the adjoints of all classes of a throw."""
     watch, adjoints = Stopwatch(), []
+    recovery = StressRecovery(mesh.points, mesh.elements)
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
     held = hold_ends(mesh, stiffness, 0)
     still = np.zeros((len(held.ends), 0))
     solver = SharedSolver(classes[0].solver, watch)
-    for part in classes:
+    for part in (each.up_to(RIGID) for each in classes):
         solutions = np.concatenate([part.fields, part.pin_fields], axis=2)
         duals = recovery.duals(solutions, material)
         loads = recovery.forces(duals.stresses).reshape(mesh.points.size, -1)
@@ -105,6 +135,9 @@ def error_adjoints(
             found.reshape(solutions.shape)
             for found in solve_given_ends(mesh, held, still, loads, part.symmetry, solver, watch)
         )
-        adjoints.append(ErrorAdjoint(solutions, duals.products, duals.stresses, fields, forces))
+        errors = duals.products, duals.stresses
+        adjoints.append(
+            ErrorAdjoint(recovery, part.fields.shape[2], solutions, *errors, fields, forces)
+        )
     solver.close()
     return adjoints

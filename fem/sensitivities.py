@@ -27,7 +27,7 @@ from crankbase.diagrams import draw_rows, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Number, Quantity, Result, result
-from fem.correction import StressRecovery, corrected_class, effectivity
+from fem.correction import effectivity
 from fem.end_reactions import END_LOADS
 from fem.error_slopes import ErrorAdjoint, error_adjoints
 from fem.material import Material
@@ -247,6 +247,7 @@ def dimension_changes(
     classes: Sequence[CondensedClass],
     *,
     joined: bool,
+    corrected: bool,
     paths: Collection[str] | None = None,
 ) -> tuple[dict[str, DimensionChange], dict[str, str]]:
     """Find the change of a throw with its dimensions, and why some have none.
@@ -257,6 +258,8 @@ def dimension_changes(
     ----------
     joined : bool
         Whether also with the bending sections of throws that meet, which takes longer.
+    corrected : bool
+        Whether of the corrected throw, which takes as long as to solve it, or of the mesh's own answers.
     paths : collection of str, optional
         Of the dimensions; all by default.
     """
@@ -266,24 +269,34 @@ def dimension_changes(
     motion = boundary_motion(solved, mesh, paths)
     if not motion.speeds:
         return {}, motion.left_out
-    recovery = StressRecovery(mesh.points, mesh.elements)
-    adjoints = error_adjoints(mesh, material, recovery, plain)
-    errors = [
-        adjoint.shares(part.up_to(RIGID).fields.shape[2])
-        for part, adjoint in zip(plain, adjoints, strict=True)
-    ]
-    velocities = node_velocities(mesh, motion, classes[0].solver, np.sum(errors, axis=0))
+    adjoints = error_adjoints(mesh, material, plain) if corrected else None
+    errors = None if adjoints is None else np.sum([each.shares for each in adjoints], axis=0)
+    velocities = node_velocities(mesh, motion, classes[0].solver, errors)
     moving = list(velocities.values())
-    by_class = class_slopes(mesh, material, plain, moving, recovery, adjoints)
+    by_class = class_slopes(mesh, material, plain, moving, adjoints)
     masses = mass_slopes(mesh, moving)
     axial = [part.symmetry for part in plain].index(axial_class(mesh.part))
+    if adjoints is None:
+        parts = plain
+    else:
+        factor = effectivity(mesh, axial_share(plain[axial], adjoints[axial].energies))
     sizes, changes = lengths_of(solved), {}
     discs = end_surfaces(mesh) if joined else []
     ring_here = section_ring(discs, mesh.points) if discs else ()
-    for path, slopes, (mass, inertia) in zip(
+    for path, of_classes, (mass, inertia) in zip(
         velocities, zip(*by_class, strict=True), masses, strict=True
     ):
+        slopes = [*of_classes]
         ends = []
+        if adjoints is not None:
+            step = STEP * sizes[path]
+            grown = effectivity_slope(mesh, plain[axial], adjoints[axial], slopes[axial], step)
+            slopes = [
+                slope.corrected(part, factor * slope.energies + grown * adjoint.energies)
+                if part.discrete
+                else slope
+                for part, slope, adjoint in zip(parts, slopes, adjoints, strict=True)
+            ]
         for sign, end in zip((-STEP, STEP), motion.beside[path], strict=True):
             step = sign * sizes[path]
             moved = [
@@ -293,16 +306,7 @@ def dimension_changes(
                     pin_loads=part.pin_loads + step * slope.pin_loads,
                     pin_flexibility=part.pin_flexibility + step * slope.pin_flexibility,
                 )
-                for part, slope in zip(plain, slopes, strict=True)
-            ]
-            energies = [
-                adjoint.energies + step * slope.energies
-                for adjoint, slope in zip(adjoints, slopes, strict=True)
-            ]
-            factor = effectivity(mesh, axial_share(moved[axial], energies[axial]))
-            moved = [
-                corrected_class(part, energy, factor) if known.discrete else part
-                for part, energy, known in zip(moved, energies, parts, strict=True)
+                for part, slope in zip(parts, slopes, strict=True)
             ]
             made = combine_classes(moved, radial_directions(end))
             if made.bending:
@@ -327,6 +331,23 @@ def axial_share(part: CondensedClass, energies: Array) -> float:
     return float(
         motion @ energies[rigid, rigid] @ motion / (motion @ part.stiffness[rigid, rigid] @ motion)
     )
+
+
+def effectivity_slope(
+    mesh: ThrowMesh, part: CondensedClass, adjoint: ErrorAdjoint, slope: "ClassSlopes", step: float
+) -> float:
+    """Derivative of the effectivity of estimated errors, over a step of the dimension either way."""
+    low, high = (
+        effectivity(
+            mesh,
+            axial_share(
+                replace(part, stiffness=part.stiffness + change * slope.stiffness),
+                adjoint.energies + change * slope.energies,
+            ),
+        )
+        for change in (-step, step)
+    )
+    return (high - low) / (2.0 * step)
 
 
 def mass_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[tuple[float, float]]:
@@ -446,14 +467,24 @@ class ClassSlopes:
     ----------
     stiffness, pin_loads, pin_flexibility : arrays
         As of a `CondensedClass`.
-    energies : (k + a, k + a) array
-        Those of the mutual energies of its errors [J].
+    energies : (r + a, r + a) array or float
+        Those of the mutual energies of its errors with rigid sections [J]; 0 if not found.
     """
 
     stiffness: Array
     pin_loads: Array
     pin_flexibility: Array
-    energies: Array
+    energies: Array | float = 0.0
+
+    def corrected(self, part: CondensedClass, corrections: Array) -> "ClassSlopes":
+        """Return those of the corrected class, by the derivatives (r + a, r + a) of its corrections [J]."""
+        stiffness, loads = self.stiffness.copy(), self.pin_loads.copy()
+        copies, rigid = part.symmetry.copies, len(corrections) - len(part.pin_components)
+        pins, components = part.pin_components.T
+        stiffness[:rigid, :rigid] -= corrections[:rigid, :rigid]
+        loads[pins, :rigid, components] += copies * corrections[rigid:, :rigid]
+        flexibility = self.pin_flexibility + copies * corrections[rigid:, rigid:]
+        return replace(self, stiffness=stiffness, pin_loads=loads, pin_flexibility=flexibility)
 
 
 def class_slopes(
@@ -461,49 +492,62 @@ def class_slopes(
     material: Material,
     classes: Sequence[CondensedClass],
     velocities: Sequence[Array],
-    recovery: StressRecovery,
-    adjoints: Sequence[ErrorAdjoint],
+    adjoints: Sequence[ErrorAdjoint] | None,
 ) -> list[list[ClassSlopes]]:
-    """Find the derivatives of condensed classes, by class and velocity."""
+    """Find the derivatives of condensed classes, by class and velocity; of their errors with adjoints."""
     loads = load_slopes(mesh, velocities)
-    moving = np.stack(velocities, axis=1)
-    solutions = [np.concatenate([each.solutions, each.fields], axis=2) for each in adjoints]
-    changes = energy_slopes(mesh, material, solutions, velocities)
+    solutions = [np.concatenate([part.fields, part.pin_fields], axis=2) for part in classes]
+    sets = solutions
+    if adjoints is not None:
+        sets = [
+            np.concatenate([fields, adjoint.fields], axis=2)
+            for fields, adjoint in zip(solutions, adjoints, strict=True)
+        ]
+    changes = energy_slopes(mesh, material, sets, velocities)
     # Forces are needed on the end sections alone.
     ends = np.concatenate([nodes_on(mesh, end) for end in end_sections(axial_class(mesh.part))])
     beside = mesh.elements[np.isin(mesh.elements, ends).any(axis=1)]
     stiffness = assemble_stiffness(mesh.points, beside, material)
     by_class = []
-    for part, adjoint, of_velocities in zip(classes, adjoints, changes, strict=True):
-        both, copies = adjoint.solutions, part.symmetry.copies
-        count, every = part.fields.shape[2], both.shape[2]
-        halves = adjoint.slopes(recovery, moving, of_velocities[:, :every, every:])
+    for place, (part, both, of_velocities) in enumerate(
+        zip(classes, solutions, changes, strict=True)
+    ):
+        count, every, copies = part.fields.shape[2], both.shape[2], part.symmetry.copies
         forces = symmetric_product(stiffness, both.reshape(-1, every)).reshape(both.shape)
         before = unit_end_motions(mesh, part.symmetry, part.sections)
-        slopes = []
-        for velocity, change, half, of_pins in zip(
-            velocities, of_velocities, halves, loads, strict=True
-        ):
+        slopes, shifts = [], []
+        for velocity, change, of_pins in zip(velocities, of_velocities, loads, strict=True):
             step = _step(mesh, velocity)
             moved = unit_end_motions(mesh, part.symmetry, part.sections, step * velocity)
+            shifts.append(
+                [
+                    (nodes, (last - first) / step)
+                    for (nodes, first), (_, last) in zip(before, moved, strict=True)
+                ]
+            )
             work = np.zeros((count, every))
-            for (nodes, first), (_, last) in zip(before, moved, strict=True):
-                work += np.einsum("sak,sac->kc", (last - first) / step, forces[nodes])
-                half[:count] -= np.einsum(
-                    "sak,sac->kc", (last - first) / step, adjoint.forces[nodes]
-                )
+            for nodes, shift in shifts[-1]:
+                work += np.einsum("sak,sac->kc", shift, forces[nodes])
             energy = change[:count, :count] + work[:, :count] + work[:, :count].T
             works, carried = np.zeros_like(part.pin_loads), np.zeros_like(part.pin_flexibility)
             for column, (pin, component) in enumerate(part.pin_components):
-                nodes = of_pins[pin].nodes
                 load = of_pins[pin].of_class(part.symmetry)[..., component]
-                moving_work = np.einsum("sa,sac->c", load, both[nodes])
+                moving = np.einsum("sa,sac->c", load, both[of_pins[pin].nodes])
                 held = change[count + column, :count] + work[:, count + column]
-                works[pin, :, component] = moving_work[:count] - copies * held
-                carried[column] = moving_work[count:]
-                half[count + column] += np.einsum("sa,sac->c", load, adjoint.fields[nodes]) / copies
+                works[pin, :, component] = moving[:count] - copies * held
+                carried[column] = moving[count:]
             flexibility = carried + carried.T - copies * change[count:every, count:every]
-            slopes.append(ClassSlopes(energy, works, flexibility, half + half.T))
+            slopes.append(ClassSlopes(energy, works, flexibility))
+        if adjoints is not None:
+            # With rigid sections, then the pins.
+            known = np.r_[: adjoints[place].motions, count:every]
+            of_errors = adjoints[place].slopes(
+                part, np.stack(velocities, axis=1), of_velocities[:, known, every:], shifts, loads
+            )
+            slopes = [
+                replace(slope, energies=energies)
+                for slope, energies in zip(slopes, of_errors, strict=True)
+            ]
         by_class.append(slopes)
     return by_class
 

@@ -305,6 +305,11 @@ def _over_sections(shaft: _Shaft, model: _Model, left_out: dict[str, str]) -> Si
 def _over_throws(shaft: _Shaft, model: _Model, left_out: dict[str, str]) -> Sides:
     """The answers on both sides of each dimension of the throws, with the share of it."""
     file = shaft.engine_file
+    # As their changes are: corrected for discretization, if all of a throw is.
+    beside = {
+        crank: (each if each.corrected else each.discrete).superelement
+        for crank, each in model.analyses.items()
+    }
     for name, analysis in model.analyses.items():
         section = "throw" if name == PLAIN else f"throws.{name}"
         try:
@@ -317,10 +322,7 @@ def _over_throws(shaft: _Shaft, model: _Model, left_out: dict[str, str]) -> Side
         for path, change in changes.items():
             held = [
                 shaft_compliances(
-                    [
-                        end if crank == name else model.analyses[crank].superelement
-                        for crank in file.throw_names
-                    ],
+                    [end if crank == name else beside[crank] for crank in file.throw_names],
                     crank_angles_deg=file.throw_angles_deg,
                     bearing_stiffness=file.main_bearings.stiffness,
                 )
