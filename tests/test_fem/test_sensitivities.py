@@ -226,7 +226,7 @@ def test_reactions_scale_with_the_size_of_the_throw(featured_analysis, sharp):
     analysis = featured_analysis
     if sharp:
         analysis = analyze_throw(CrankThrow(**FEATURES | fillets), accuracy=0.1)
-    force = (300.0, -1000.0, 0.0)
+    force, discrete = (300.0, -1000.0, 0.0), analysis.discrete
     for support in ("pinned", "guided", cf.Neighbors(120.0, 120.0)):
         for quantity in ("left Fx", "left Fy", "right Fz", "left Mx", "left Mz", "pin_compliance"):
             if (quantity, support) == ("left Mx", "pinned"):
@@ -234,11 +234,15 @@ def test_reactions_scale_with_the_size_of_the_throw(featured_analysis, sharp):
                     analysis.sensitivities(quantity, support, pin_force=force)
                 continue
             power = POWERS[quantity.split()[-1][0]]
-            slopes = analysis.sensitivities(quantity, support, pin_force=force)
-            lengths = [path for path in slopes.shares if not path.endswith("angle")]
-            assert sum(slopes[path] for path in lengths) == close(power, abs=slopes.error)
-            if quantity == "left Mz":
-                assert slopes["crank_radius"] == close(1.0, abs=1e-5)
+            # The mesh's own answers scale exactly but for what its nodes slide; the errors of corrected
+            # slopes add up as independent ones.
+            for solved in (discrete, analysis):
+                slopes = solved.sensitivities(quantity, support, pin_force=force)
+                lengths = [path for path in slopes.shares if not path.endswith("angle")]
+                off = 3e-3 if solved is discrete else np.sqrt(len(lengths)) * slopes.error
+                assert sum(slopes[path] for path in lengths) == close(power, abs=off)
+                if quantity == "left Mz":
+                    assert slopes["crank_radius"] == close(1.0, abs=1e-5)
 
 
 @pytest.mark.slow
