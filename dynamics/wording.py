@@ -69,14 +69,27 @@ def share_of_limit(used: float, *, passing: bool) -> str:
 
 
 def check_sentence(
-    limit: str, place: str, source: str, speed: float, use: str, running: str, reasons: str
+    limit: str,
+    place: str,
+    source: str,
+    speed: float,
+    use: str,
+    running: str,
+    reasons: str,
+    *,
+    above_alone: bool = False,
 ) -> str:
     """State what is reached of a limit at a place, the limit's source and the cause.
 
-    `use` is the largest at all speeds judged, `running` at running speeds, where that is another one.
+    `use` is the largest at all speeds judged, `running` at running speeds, where that is another one. Where
+    the limit is exceeded above the running range alone, that comes first.
     """
     if running:
-        use = f"{running} at running speeds; above them {use}"
+        use = (
+            f"above the running range {use}; at running speeds {running}"
+            if above_alone
+            else f"{running} at running speeds; above them {use}"
+        )
         # The cause is that of one of the two.
         reasons = reasons and f"at {speed_text(speed)}, {reasons}"
     text = f"{limit_at(limit, place)}: {use} ({source})."

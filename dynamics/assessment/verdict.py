@@ -184,6 +184,7 @@ class LimitCheck(Result):
             self.use,
             "" if at_running is self else at_running.use,
             "" if self.cause is None else self.cause.reasons,
+            above_alone=at_running.passed and not self.passed,
         )
 
     @property

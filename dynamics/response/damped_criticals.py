@@ -27,6 +27,9 @@ from dynamics.response.resonance import LEAST_RATIO, speeds_about
 LEAST_SHARE = 1e-9
 # Share of a mode's largest magnifier down to which a peak is that of the mode: 1.7 half bandwidths.
 BAND = 0.5
+# Share of the bend of a peak that its modes make with constant forces, so that it is theirs; otherwise forces
+# make it, as those of a torsional resonance do in the axial chain.
+MODAL = 0.5
 # Maxima of several places within a half bandwidth, at most this share of the speed, are one critical speed.
 NEARLY = 0.05
 # A place may stand for a critical speed if its share of its own largest peak is this part of the best one.
@@ -73,9 +76,9 @@ class DampedCritical(Result):
     mode_share : float
         Part of the amplitude from this mode; others may counteract it.
     in_band : bool
-        Whether the mode's magnifier at the peak is half of its largest or more, and the mode makes a
-        twentieth of the amplitude or more. If not, the exciting forces have a peak, as axial ones have where
-        torsional vibration is large, or the mode is a ripple on them.
+        Whether the mode's magnifier at the peak is half of its largest or more, the mode makes a twentieth
+        of the amplitude or more, and modes make half of the peak's bend or more. If not, the exciting forces
+        have a peak, as axial ones have where torsional vibration is large, or the mode is a ripple on them.
     mode_frequency : float
         Damped natural frequency of the mode [Hz]; NaN for an overdamped one.
     damping_ratio : float
@@ -241,7 +244,7 @@ def damped_criticals(
     A maximum belongs to the mode that bends the curve down most: with the part y_k = r_k / (i w - s_k) of
     each mode, -y_k'' / 2 = y_k / (i w - s_k)^2, taken in phase with the amplitude. A large mode far from
     resonance adds to the amplitude but not to its bend. The peak counts as that mode's own if it is
-    `in_band`.
+    `in_band`: forces that have a peak of their own bend it more than the modes do with constant forces.
     """
     if node is not None and elements is not None:
         raise InputError(
@@ -306,7 +309,7 @@ def criticals_of(
     criticals: list[DampedCritical] = []
     met: set[tuple[float, int]] = set()
     if maxima.speeds.size:
-        made = vibration.made(maxima.orders, maxima.places, maxima.speeds)
+        made = vibration.made(maxima, maxima.speeds)
         # A mode may have its peak beyond the range, or one that is told with another mode's.
         makers = np.append(modes.numbers, 0)[made.mode]
         met = set(zip(response.orders[maxima.orders].tolist(), makers.tolist(), strict=True))
@@ -349,7 +352,10 @@ def _quantities(
 
 
 class _Maxima(NamedTuple):
-    """Local maxima (m,): index of order and place, speed, value, calculated speeds beside it."""
+    """Local maxima (m,): index of order and place, speed, value, calculated speeds beside it.
+
+    Then how each bends down, b in (value / amplitude)^2 = 1 + b (speed - its speed)^2.
+    """
 
     orders: NDArray[np.intp]
     places: NDArray[np.intp]
@@ -357,6 +363,7 @@ class _Maxima(NamedTuple):
     values: FloatArray
     low: FloatArray
     high: FloatArray
+    bends: FloatArray
 
     def chosen(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> "_Maxima":
         """Return some of them."""
@@ -486,12 +493,12 @@ class _Vibration:
             value,
             np.where(bounded, low, at),
             np.where(bounded, high, at),
+            np.where(flat, 0.0, bend),
         )
 
-    def made(
-        self, orders: NDArray[np.intp], places: NDArray[np.intp], speeds: FloatArray
-    ) -> "_Made":
-        """Return what makes maxima at speeds."""
+    def made(self, maxima: _Maxima, speeds: FloatArray) -> "_Made":
+        """Return what makes maxima, at their speeds as they are known."""
+        orders, places = maxima.orders, maxima.places
         motion, unbounded, forces = self.answer(orders, speeds)
         w = self.response.orders[orders] * speeds
         rows = self.quantities.rows_at(places, w, speeds)
@@ -514,6 +521,10 @@ class _Vibration:
         in_band |= unbounded[:, np.newaxis] & (alone > 0.0)
         mode = np.argmax(bends, axis=1)
         each = np.arange(w.size)
+        # The amplitude of a mode alone bends half as much as its part in phase does.
+        bent = 0.5 * np.abs(value) * maxima.bends / self.response.orders[orders] ** 2
+        by_modes = np.sum(np.maximum(bends[:, :-1], 0.0), axis=1) >= 2.0 * MODAL * bent
+        in_band &= (by_modes | unbounded)[:, np.newaxis]
         of_mode = in_band[each, mode] & (bends[each, mode] > 0.0)
         ripple = of_mode & (np.abs(shares[each, mode]) < LEAST_PART)
         of_mode &= ~ripple
@@ -602,7 +613,7 @@ class _Vibration:
         speeds = _golden_section(
             lambda some: self._amplitudes(*twice, some), chosen.low, chosen.high
         )
-        there = self.made(chosen.orders, chosen.places, speeds)
+        there = self.made(chosen, speeds)
         near = maxima.speeds.copy()
         near[main] = speeds
         names, places = self.quantities.names, chosen.places.tolist()

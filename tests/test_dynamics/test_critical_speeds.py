@@ -482,3 +482,25 @@ def test_no_peak_is_told_where_no_place_has_one():
                     )
                     assert not np.any(apart < 0.5 * one.damping_ratio)
     assert told
+
+
+def test_the_resonance_of_what_excites_a_chain_is_not_called_a_mode_of_the_chain():
+    """A mass with 40 % of critical damping: its own peak by constant forces, and one of another oscillator.
+
+    Its own is at w_0 sqrt(1 - 2 d^2). Forces of an oscillator with 2 % of damping have a peak at its
+    frequency, where the mass has 84 % of its largest magnifier.
+    """
+    chain = Chain(inertia=[1.0], stiffness=[], ground=[1e4], ground_damping=[80.0])
+    speeds = np.linspace(5.0, 150.0, 1500)
+    other = 40.0**2 / (40.0**2 - speeds**2 + 2j * 0.02 * 40.0 * speeds)
+
+    def peaks(forces):
+        excitation = OrderExcitation(np.array([1.0]), speeds, forces[np.newaxis, :, np.newaxis])
+        return damped_criticals(forced_response(chain, excitation))
+
+    (own,) = peaks(np.ones(1500, dtype=complex))
+    assert (own.in_band, own.modes) == (True, (1,))
+    assert own.speed == close(100.0 * math.sqrt(1.0 - 2.0 * 0.4**2), rel=1e-6)
+    (foreign,) = peaks(other)
+    assert (foreign.in_band, foreign.modes) == (False, ())
+    assert foreign.speed == close(40.0, rel=1e-3)

@@ -435,6 +435,8 @@ def _barred(run: EngineVibration, verdict: Verdict) -> DocumentPart:
     sentence = (
         "Barred ranges are to be passed quickly; the table of normal running gives the stresses while "
         "passing."
+        if verdict.ranges_to_bar
+        else "No range in which a limit is exceeded can be barred, or has to be."
     )
     return DocumentPart("barred", "Barred speed ranges", (sentence,), tuple(listed))
 

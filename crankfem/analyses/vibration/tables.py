@@ -240,10 +240,11 @@ def left_out(answer: ForcedVibration, shown: Sequence[DampedCritical]) -> str:
         )
     if forced:
         worst = max(forced, key=lambda peak: peak.severity)
+        torsion = ", also at torsional resonances" if answer.kind == "axial" else ""
         texts.append(
-            f"{_counted(len(forced), 'peak')} of the exciting forces, where no mode reaches half of its "
-            "largest magnifier and a twentieth of the amplitude, the main one of order "
-            f"{worst.order:g} at {worst.speed_rpm:.4g} 1/min ({worst.place.split(', ')[0]})"
+            f"{_counted(len(forced), 'peak')} of the exciting forces{torsion}, which no mode of this chain "
+            f"makes, the main one of order {worst.order:g} at {worst.speed_rpm:.4g} 1/min "
+            f"({worst.place.split(', ')[0]})"
         )
     if passed:
         texts.append(
