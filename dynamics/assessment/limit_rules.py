@@ -200,7 +200,7 @@ def crankshaft_limit(
         continuous=LimitCurve(continuous, 0.0, 1.15 * rated),
         passing=LimitCurve(lambda speeds: passed * 2.0 * plain(speeds / rated), 0.0, 0.8 * rated),
         source=CRANKSHAFT_SOURCE,
-        remark=_counted(tensile_strength, alloy=alloy),
+        remark="; ".join(filter(None, (_counted(tensile_strength, alloy=alloy), _raised(passed)))),
     )
 
 
@@ -256,7 +256,9 @@ def generator_set_limit(
         passing=LimitCurve(lambda speeds: np.full(speeds.shape, passed * quick), 0.0, slowest),
         source=GENERATOR_SOURCE,
         remark="; ".join(
-            filter(None, (_counted(tensile_strength, alloy=alloy), GENERATOR_READING))
+            filter(
+                None, (_counted(tensile_strength, alloy=alloy), _raised(passed), GENERATOR_READING)
+            )
         ),
     )
 
@@ -305,6 +307,11 @@ def _counted(strength: float, *, alloy: bool) -> str:
         else f" (for low alloy steel, alloy = true, at {CRANKSHAFT_STRENGTHS[True] / 1e6:g} MPa)"
     )
     return f"{text}{end}{more}"
+
+
+def _raised(passed: float) -> str:
+    """State by what the yield strength raises the limits while passing, which may decide nothing."""
+    return f"by the yield strength {passed:.3g} times as much may be passed" if passed > 1.0 else ""
 
 
 CRANKSHAFT_RULES: dict[str, Callable[..., VibrationLimit]] = {

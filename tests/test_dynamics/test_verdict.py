@@ -346,6 +346,14 @@ def test_impossible_curves_are_refused(speeds, values, message):
         AmplitudeCurve("shaft", speeds, values)
 
 
+def test_a_yield_strength_is_named_where_nothing_may_be_passed():
+    plain, strong = (crankshaft_limit(10.0, strokes=2, yield_strength=y) for y in (225e6, 295e6))
+    assert (plain.remark, strong.remark) == (
+        "",
+        "by the yield strength 1.31 times as much may be passed",
+    )
+
+
 def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so():
     carbon = propulsion_shaft_limit(650e6, 0.3, 10.0)
     capped = propulsion_shaft_limit(600e6, 0.3, 10.0)

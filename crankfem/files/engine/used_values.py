@@ -71,7 +71,10 @@ USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "run --model": ((ALL,), ("study", "vibration.model")),
     "optimum": ((*THROW, "material"), ()),
     "optimum --first_axial_frequency": ((ALL,), (*UNFORCED, *TORSIONAL_ALONE)),
-    "optimum --first_torsional_frequency": ((ALL,), (*UNFORCED, *AXIAL_ALONE)),
+    "optimum --first_torsional_frequency": (
+        (ALL, "vibration.reciprocating"),
+        (*UNFORCED, *AXIAL_ALONE),
+    ),
 }
 
 
@@ -98,6 +101,8 @@ def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
         without += ROTATING  # which the plant's chain has; only the whole crankshaft takes them
     if command == "run" and "model" in content.sections.get("vibration", {}):
         without += ("study",)  # for which the saved model stands
+    if content.sections.get("vibration", {}).get("reciprocating", "half") == "half":
+        without += ("rod.length",) if "vibration.reciprocating" in used else ()
     names: list[str] = []
     for section, values in content.sections.items():
         fields = list(_fields(section, values))
