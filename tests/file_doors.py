@@ -30,7 +30,8 @@ CHANGED, REFUSED, NAMED, LEFT, WRONG = WORDS = (
     *("changed", "refused", "named", "left over"),
     "named, but changed",
 )
-DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d[.\d]*")
+# When a file was written, and the how many-th solid of the process it is.
+DATE = re.compile(r"\d{4}-\d\d-\d\d[T ][\d:.]+|STEP translator [\d. ]+")
 COARSE = 0.1
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(.*)", re.DOTALL)
 # What repeats the file, and what differs from run to run.
