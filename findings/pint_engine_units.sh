@@ -3,7 +3,8 @@
 # Expected: "Nm" is torque, "PS" horsepower, "bar(g)" gauge pressure, "U/min" revolutions per minute, "kt" kilotonnes and
 # "MT" megatonnes, "ton" 1000 kg and "mhp" the metric horsepower, or each is refused as unknown.
 # What happens: they parse as number metric of yarn, petasiemens, bar times gram, enzyme units per minute, knot, megatesla,
-# short ton and a thousandth of the mechanical horsepower. None of it fails before a conversion, and where only magnitudes are taken, never.
+# short ton and a thousandth of the mechanical horsepower. None of it fails before a conversion, and where only magnitudes
+# are taken, never.
 # Output seen:
 #   Nm -> number_meter, PS -> petasiemens, bar(g) -> bar * gram, U/min -> enzyme_unit / minute, kt -> knot,
 #   MT -> megatesla, ton -> ton, mhp -> millihorsepower
