@@ -16,7 +16,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, MissingLibraryError, quoted, shortened
 from crankbase.input_file import CSV, LARGEST_TABLE_FILE, LOOKED_AT, UTF_16, InputFile, wrong_kind
-from crankbase.units import NoUnitError, OtherKindError, size_in
+from crankbase.units import NoUnitError, OtherKindError, pressure_reference, size_in
 
 SEPARATORS = (";", "\t", ",", None)  # None: spaces
 COMMENTS = ("#", "%", "//", '"#')
@@ -34,7 +34,8 @@ _THOUSANDS = {
     ".": re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d*", re.ASCII),
     ",": re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d*", re.ASCII),
 }
-_BRACKETS = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*$")
+# A unit in brackets behind a heading or alone; it may end in brackets itself, as bar(a) does.
+_BRACKETS = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*(?:\([^\[\]()]*\))?)[\])]\s*$")
 # What else stands in a row of units: none, and degrees of the crank.
 NO_UNIT = ("", "-", "--", "1")
 DEGREES = ("deg", "°", "°ca", "°kw", "degca", "deg ca", "ca", "kw", "grad", "degree", "degrees")
@@ -348,12 +349,18 @@ def _heads(preamble: Sequence[Row], width: int) -> tuple[list[str], list[str], i
     units = []
     for name, unit in zip(names, below, strict=True):
         bracketed = _BRACKETS.match(name)
-        units.append((unit.strip("[]() ") or (bracketed[2] if bracketed else "")).strip())
+        units.append(_bare(unit) or (bracketed[2].strip() if bracketed else ""))
     return names, units, line
 
 
+def _bare(cell: str) -> str:
+    """Return a unit without brackets around all of it."""
+    bracketed = _BRACKETS.match(cell)
+    return (bracketed[2] if bracketed and not bracketed[1] else cell).strip()
+
+
 def _is_unit(cell: str) -> bool:
-    bare = cell.strip("[]() ")
+    bare = _bare(cell)
     return bare.casefold() in (*NO_UNIT, *DEGREES) or any(
         unit_size(bare, unit) is not None
         for unit in ("Pa", "N m", "N", "m", "s", "rad", "rad/s", "K", "W", "kg/s")
@@ -361,11 +368,14 @@ def _is_unit(cell: str) -> bool:
 
 
 def unit_size(text: str, unit: str) -> float | None:
-    """Return the size of a unit in one of SI; None if it is none of its kind."""
+    """Return the size of a unit in one of SI; None if it is none of its kind.
+
+    Of a pressure its size alone, whether it is absolute or above the atmosphere.
+    """
     if unit == "rad" and text.casefold() in DEGREES:
         return math.radians(1.0)
     try:
-        return size_in(text, unit)[0]
+        return size_in(pressure_reference(text)[0], unit)[0]
     except (NoUnitError, OtherKindError):
         return None
 

@@ -440,7 +440,12 @@ def _field_errors(
 def _value_from_text(kind: type[InputModel], key: str, text: object, name: str) -> Any:
     """Convert the file's value of one field."""
     if key not in kind.model_fields:
-        raise InputError(f"{name}: unknown field; {allowed_names(key, kind.model_fields)}.")
+        keys = [
+            key_of_field
+            for field, info in kind.model_fields.items()
+            for key_of_field in ((field, gd2_name(field)) if is_inertia(info) else (field,))
+        ]
+        raise InputError(f"{name}: unknown field; {allowed_names(key, keys)}.")
     info = kind.model_fields[key]
     unit, part = field_extra(info, "unit"), part_kind(info)
     if part is not None:

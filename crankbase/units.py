@@ -252,6 +252,20 @@ def unit_registry() -> Any:
     return registry
 
 
+def pressure_reference(unit: str) -> tuple[str, str]:
+    """Split a unit of pressure from what it says the pressure is: absolute, or gauge, above the atmosphere.
+
+    Examples
+    --------
+    >>> pressure_reference("bar(a)"), pressure_reference("barg"), pressure_reference("bar")
+    (('bar', 'absolute'), ('bar', 'gauge'), ('bar', ''))
+    """
+    for reference, pattern in (("absolute", _ABSOLUTE), ("gauge", _GAUGE)):
+        if (match := pattern.fullmatch(unit)) is not None:
+            return match[1], reference
+    return unit, ""
+
+
 def spelled(text: str) -> str:
     """Spell a unit as a product of names of the table and their powers, whatever signs join them.
 
@@ -275,9 +289,10 @@ def spelled(text: str) -> str:
         raise NoUnitError(plain, f"write a name, {_MARKS[plain]}, in place of a sign")
     if _CRANK_ANGLE.fullmatch(plain.rstrip(".")):
         return "deg"
-    if (absolute := _ABSOLUTE.fullmatch(plain)) is not None:
-        plain = absolute[1]
-    elif _GAUGE.fullmatch(plain):
+    pressure, reference = pressure_reference(plain)
+    if reference == "absolute":
+        plain = pressure
+    elif reference == "gauge":
         raise NoUnitError(
             plain,
             "write the absolute pressure, in bar for example, which is that above the atmosphere and "

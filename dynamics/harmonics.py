@@ -386,7 +386,7 @@ def read_torque_table(
         remarks = (*remarks, remark)
     return TorqueTable(
         crank_angle_deg=read_only(cycle_degrees(cycle_strokes) / cycle * angles),
-        torque=read_only(UNITS[rows.value_name.rpartition("_")[2]] * torque),
+        torque=read_only(UNITS[rows.unit] * torque),
         source=rows.source,
         strokes=cycle_strokes,
         remarks=remarks,

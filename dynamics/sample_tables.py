@@ -15,6 +15,7 @@ from crankbase.exported_table import ExportedTable, read_exported_table, unit_si
 from crankbase.input_file import GivenFile, InputFile
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import percent
+from crankbase.units import pressure_reference
 from dynamics.cycle import (
     PLACE_TOLERANCE,
     checked_strokes,
@@ -124,6 +125,11 @@ class SampleRows:
     comments: tuple[str, ...]
     faults: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """The unit of the values, as their name ends."""
+        return self.value_name.rpartition("_")[2]
 
     @property
     def source(self) -> str:
@@ -312,8 +318,9 @@ def _contradiction(table: ExportedTable, kind: TableKind, name: str, place: int)
     if not table.units[place]:
         return []
     si, size = ("rad", math.radians(1.0)) if own == "deg" else (kind.si, kind.units[own])
-    given = unit_size(table.units[place], si)
-    if given is None or math.isclose(given, size, rel_tol=1e-9):
+    given, reference = unit_size(table.units[place], si), pressure_reference(table.units[place])[1]
+    agrees = given is None or math.isclose(given, size, rel_tol=1e-9)
+    if agrees and (given is None or name.startswith(reference)):
         return []
     return [
         f"{table.path}, line {table.header_line}: {_column_name(table, place)}: given in "
@@ -409,8 +416,8 @@ def one_cycle(
             faults.append(_closing_fault(rows, cut, single))
         elif differs > tolerance * size and len(cut.cycles) == 1:
             remarks.append(
-                f"The closing sample differs from the first by {differs:.3g}, as noise does; their "
-                "mean is used."
+                f"The closing sample differs from the first by {differs:.3g} {rows.unit}, as noise does; "
+                "their mean is used."
             )
             values = values.copy()
             values[0] = 0.5 * (values[0] + closing)
@@ -532,16 +539,16 @@ def _mean_cycle(
             [],
             [
                 f"{rows.path}: given {count} cycles of {cycle:g} deg, which differ by {scatter[place]:.3g} "
-                f"(standard deviation) at {first.angles[place]:g} deg, {percent(scatter[place] / size)} % of "
-                "the largest value; allowed are repetitions of one cycle, unlike the two revolutions of a "
-                "four-stroke one."
+                f"{rows.unit} (standard deviation) at {first.angles[place]:g} deg, "
+                f"{percent(scatter[place] / size)} % of the largest value; allowed are repetitions of "
+                "one cycle, unlike the two revolutions of a four-stroke one."
             ],
         )
     highest = float(np.std(values.max(axis=1), ddof=1))
     remark = (
-        f"The mean of {count} cycles is used. They scatter by {scatter[place]:.3g} at most (standard "
-        f"deviation, at {first.angles[place]:g} deg, {percent(scatter[place] / size)} % of the largest "
-        f"value); their highest values by {highest:.3g}."
+        f"The mean of {count} cycles is used. They scatter by {scatter[place]:.3g} {rows.unit} at most "
+        f"(standard deviation, at {first.angles[place]:g} deg, {percent(scatter[place] / size)} % of the "
+        f"largest value); their highest values by {highest:.3g} {rows.unit}."
     )
     return replace(first, values=values.mean(axis=0)), float(scatter[0]), [remark], []
 

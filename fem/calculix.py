@@ -264,7 +264,7 @@ def _head(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]) -> Ite
         "** Units: m, N, kg, s; so Pa, rad, N m.",
         "** Frame: z along the shaft, from the center of the left end section; y to the first pin's axis.",
         f"** {count} nodes, {len(mesh.elements)} curved 10-node tetrahedra, length "
-        f"{number_field(mesh.length)} m, size factor {mesh.size_factor:.6g}, "
+        f"{mesh.length:.6g} m, size factor {mesh.size_factor:.6g}, "
         f"E {material.youngs_modulus:.6g} Pa, nu {material.poisson_ratio:.6g}.",
         "** End sections (LEFT_END, RIGHT_END) are rigid bodies, each with two nodes:",
         f"**   {count + 1}, {count + 3} left and right center: displacements ux uy uz, forces Fx Fy Fz,",

@@ -98,17 +98,9 @@ def _matters(record: InputRecord, mechanism: MechanismFile, engine: EngineFile |
     """Whether a default affects a result; values of the file are always listed."""
     if record.source != "default":
         return True
-    gas = mechanism.gas
-    if record.field == "engine.drives":
+    if record.field in ("engine.drives", "gas.compression_ratio"):
+        # A cylinder compresses by the ratio while it misfires, with a pressure table too.
         return mechanism.power is None or not mechanism.power.driven
-    if record.field == "gas.compression_ratio" and gas is not None and gas.compressor is not None:
-        return False
-    if (
-        record.field == "gas.compression_ratio"
-        and gas is not None
-        and gas.pressure_table is not None
-    ):
-        return engine is None or engine.misfire is not None
     if record.field == "gas_map.rated_load":
         return engine is None or engine.gas_map is None or engine.gas_map.law is not None
     return True

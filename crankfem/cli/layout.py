@@ -69,7 +69,13 @@ def legend(text: str) -> str:
 
 
 def table_lines(table: Table, units: OutputUnits = SI, width: int = 80) -> list[Line]:
-    """Return the lines of a table: in columns, or where these do not fit, a list with a row each."""
+    """Return the lines of a table: in columns, or where these do not fit, a list with a row each.
+
+    Of a table without rows only what it would hold is said.
+    """
+    if table.title and not table.rows:
+        paragraphs = (f"{table.title}: none", table.note)
+        return [(line, "") for text in paragraphs if text for line in wrapped(text, width)]
     heads = [short_places(column.head(units)) for column in table.columns]
     rows = [[short_places(cell) for cell in row] for row in table.texts(units)]
     columns = [

@@ -271,7 +271,7 @@ def read_gas_force(path: GivenFile, reading: TableReading | None = None) -> GasF
         widest=WIDEST_GAP,
         what="force",
     )
-    force = rows.values * UNITS[rows.value_name.rpartition("_")[2]]
+    force = rows.values * UNITS[rows.unit]
     angles = np.radians(rows.angles)
     from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
 

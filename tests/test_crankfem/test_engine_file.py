@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import crankfem as cf
@@ -125,6 +126,7 @@ REFUSED = [
     ({"throw.web_width": '"285 m"'}, ["285 m", "did you mean 285 mm?", "4000 mm"]),
     ({"throw.pin_length": None}, ["missing", "crankpin length", "0.3 mm to 2000 mm"]),
     ({"throw.pin_lenght": '"139 mm"'}, ["unknown field", "did you mean pin_length?"]),
+    ({"flywheel.GD2": '"1800 kgf m2"'}, ["unknown field", "inertia, flywheel_effect, mass"]),
     ({"[rod]": None}, ["missing"]),
     ({"material.poisson_ratio": "0.6"}, ["0.6", "0 to 0.49"]),
     ({"material.poisson_ratio": '"0.3"'}, ["'0.3'", "write it without quotes"]),
@@ -498,6 +500,19 @@ def test_the_rule_that_is_listed_as_assumed_is_the_one_that_is_taken(driven, rul
     engine = load_engine("6chn25-34").changed(engine={"drives": driven})
     (listed,) = (one for one in assumed_values(engine) if one.field == "limits.crankshaft_rule")
     assert listed.given == rule == rule_of(engine.engine)
+
+
+def test_the_compression_of_a_misfiring_cylinder_is_listed_beside_a_measured_pressure(tmp_path):
+    angles = np.arange(-360.0, 360.0, 2.0)
+    pressure = 2.0 + 100.0 * np.exp(-(((angles - 10.0) / 20.0) ** 2))
+    rows = [f"{a:g},{p:.6f}" for a, p in zip(angles, pressure, strict=True)]
+    table = "\n".join(["crank_angle_deg,absolute_pressure_bar", *rows])
+    (tmp_path / "pressure.csv").write_text(table, encoding="utf-8")
+    text = input_path("6chn25-34").read_text("utf-8")
+    text = re.sub(r"peak_pressure = .*", 'pressure_table = "pressure.csv"', text)
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    listed = {one.field: one.given for one in assumed_values(load_engine(tmp_path / "mine.toml"))}
+    assert listed["gas.compression_ratio"] == "14.0"
 
 
 THROW = crank_throw(0.170, 0.220, 0.180, 0.135, 0.139, 0.285, 0.068)

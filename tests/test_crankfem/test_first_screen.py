@@ -166,3 +166,11 @@ def test_commands_end_with_their_answer_on_one_screen(call, monkeypatch, width, 
 @pytest.mark.parametrize("line", LONG, ids=" ".join)
 def test_long_commands_do_so_too(call, lightly, monkeypatch, width, line):
     check_screens(call, monkeypatch, width, line)
+
+
+def test_a_table_without_rows_says_so():
+    table = Table(
+        "Torsional resonances", [Column("speed", "1/min")], [], note="Not listed: 1 peak."
+    )
+    lines = [line for line, _ in table_lines(table)]
+    assert lines == ["Torsional resonances: none", "Not listed: 1 peak."]

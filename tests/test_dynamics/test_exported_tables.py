@@ -152,7 +152,7 @@ def test_several_cycles_give_their_mean_and_tell_the_scatter(tmp_path, restart, 
     check(table)
     (remark,) = (remark for remark in table.remarks if "cycles" in remark)
     largest = np.max(np.std(samples, axis=0, ddof=1))
-    assert f"The mean of 9 cycles is used. They scatter by {largest:.3g} at most" in remark
+    assert f"The mean of 9 cycles is used. They scatter by {largest:.3g} Nm at most" in remark
 
 
 def test_an_incomplete_cycle_at_the_end_is_left_out_and_told(tmp_path):
@@ -277,6 +277,32 @@ def test_a_row_of_units_against_the_header_is_refused(tmp_path):
     (tmp_path / "torque.csv").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="given in kNm, but named torque_Nm"):
         read_torque_table(tmp_path / "torque.csv", strokes=4)
+
+
+@pytest.mark.parametrize(
+    ("unit", "reference"),
+    [
+        ("bar(a)", "absolute"),
+        ("bara", "absolute"),
+        ("bar(g)", "gauge"),
+        ("barg", "gauge"),
+        ("bar ü", "gauge"),
+    ],
+)
+def test_units_say_whether_a_pressure_is_absolute(tmp_path, unit, reference):
+    angles = np.arange(-360.0, 360.0, 2.0)
+    pressure = 2.0 + 100.0 * np.exp(-(((angles - 10.0) / 20.0) ** 2))
+    rows = [f"{a:g};{p:.6f}" for a, p in zip(angles, pressure, strict=True)]
+    for head in (["CA;p", f"deg;{unit}"], ["CA;p", f"[deg];[{unit}]"], [f"CA [deg];p [{unit}]"]):
+        (tmp_path / "p.csv").write_text("\n".join([*head, *rows]), encoding="utf-8")
+        for named in ("absolute", "gauge"):
+            columns = {"crank_angle_deg": "CA", f"{named}_pressure_bar": "p"}
+            reading = TableReading(columns=columns)
+            if named == reference:
+                assert read_pressure_table(tmp_path / "p.csv", 4, reading=reading).pressure.size
+                continue
+            with pytest.raises(InputError, match=f"but named {named}_pressure_bar"):
+                read_pressure_table(tmp_path / "p.csv", 4, reading=reading)
 
 
 def test_points_and_commas_before_decimals_are_refused(tmp_path):

@@ -52,7 +52,7 @@ USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "draw": ((*THROW, "engine.name"), ()),
     "draw --shaft": ((*SHAFT, "engine.name"), ()),
     "export": (THROW, ()),
-    "export --calculix": ((*THROW, *ELASTIC), ()),
+    "export --calculix": ((*THROW, "material"), ()),
     "export --shaft": (SHAFT, ()),
     "plan": (STUDY, ()),
     "doe": (STUDY, ()),

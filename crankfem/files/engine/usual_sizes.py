@@ -62,11 +62,10 @@ class UsualRange:
             if "rad" in unit:
                 slips |= {math.degrees(1.0): "per degree", math.radians(1.0): "per degree"}
             if unit == "kg m^2":
-                gd2 = gd2_name(field.rpartition(".")[2])
-                slips |= {
-                    1.0 / GD2_OF_INERTIA: f"GD2, which is given as {gd2}",
-                    GD2_OF_INERTIA: f"an inertia given as {gd2}",
-                }
+                # Either may be in the file: both are read as the inertia.
+                name = field.rpartition(".")[2]
+                mixed = f"{name} and {gd2_name(name)}, its GD2, are mixed up"
+                slips |= {1.0 / GD2_OF_INERTIA: mixed, GD2_OF_INERTIA: mixed}
             slips |= {1e3: "a unit's prefix", 1e-3: "a unit's prefix"}
             suiting = (
                 f"; perhaps {slip}: {format_quantity(value * factor, unit, 3)} would suit"
