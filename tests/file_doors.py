@@ -225,6 +225,7 @@ DOORS: dict[str, tuple[str, Door]] = {
     "lookup law": ("engine", command("lookup", "law", "--throw", "FILE")),
     "draw": ("engine", command("draw", "FILE", "--output", "OUT.svg")),
     "export": ("engine", command("export", "FILE", "OUT.msh")),
+    "export --calculix": ("engine", command("export", "FILE", "OUT.inp", "--calculix")),
     "export --shaft": ("engine", command("export", "FILE", "OUT.step", "--shaft")),
     "mechanism": ("engine", command("mechanism", "FILE")),
     "harmonics": ("engine", command("harmonics", "FILE")),

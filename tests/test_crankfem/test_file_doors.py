@@ -36,6 +36,18 @@ def test_no_value_of_a_file_is_dropped_unsaid(name, tmp_path):
     assert {*outcomes} <= {CHANGED, NAMED, REFUSED}
 
 
+@pytest.mark.slow
+def test_a_value_that_a_deck_has_is_not_named_as_not_used(tmp_path, six_cylinders, edit):
+    answers = []
+    for density in ("7850 kg/m^3", "7000 kg/m^3"):
+        changed = edit(six_cylinders, {"material.density": f'"{density}"'})
+        (tmp_path / "mine.toml").write_text(changed, "utf-8")
+        answers.append(DOORS["export --calculix"][1](tmp_path / "mine.toml"))
+    assert not answers[0].same(answers[1])
+    assert "material.density" not in answers[0].named
+    assert "rod" in answers[0].named
+
+
 @pytest.mark.parametrize("command", USES)
 def test_what_commands_use_is_there(command):
     """No section or field of the table is one that files do not have."""
