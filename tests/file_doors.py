@@ -8,12 +8,13 @@ field among those that it does not use. Anything else is left over.
 import json
 import math
 import re
+import shutil
 import tempfile
 import tomllib
 import typing
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from typer.testing import CliRunner
 
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.model import part_kind
-from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.data_files import input_path, shipped_names
 from file_fields import FILES, toml_text
 
 SHARE = 0.03
@@ -219,7 +220,124 @@ def frequency(kind: Any) -> Door:
     return asked
 
 
-DOORS: dict[str, tuple[str, Door]] = {
+def without(*sections: str, door: Door) -> Door:
+    """A door for the file without some sections: cheaper, and a part of the answer with them."""
+
+    def asked(file: Path) -> Answer:
+        content = {
+            k: v for k, v in tomllib.loads(file.read_text("utf-8")).items() if k not in sections
+        }
+        fewer = file.with_name(f"fewer-{file.name}")
+        fewer.write_text(toml_text(content), encoding="utf-8")
+        return door(fewer)
+
+    return asked
+
+
+def once(door: Door) -> Door:
+    """A door that several others have as a part: each file is given to it once."""
+    answers: dict[str, Answer | Exception] = {}
+
+    def asked(file: Path) -> Answer:
+        text = file.read_text(encoding="utf-8")
+        if text not in answers:
+            try:
+                answers[text] = door(file)
+            except REFUSALS as error:
+                answers[text] = error
+        answer = answers[text]
+        if isinstance(answer, Answer):
+            return answer
+        raise answer
+
+    return asked
+
+
+REFUSALS = (InputError, MeshError, SolveError, SystemExit)
+vibrations: dict[str, Any] = {}
+
+
+def vibration_of(file: Path) -> Any:
+    """Vibration of an engine: the same one for files that differ in what it does not use."""
+    from crankfem.analyses.vibration.run import engine_vibration
+    from crankfem.files.engine.engine_file import load_engine
+    from crankfem.files.engine.used_values import RUN_ALONE
+
+    content = tomllib.loads(file.read_text(encoding="utf-8"))
+    text = toml_text({name: part for name, part in content.items() if name not in RUN_ALONE})
+    engine = load_engine(file)
+    if text not in vibrations:
+        vibrations[text] = engine_vibration(engine)
+    return replace(vibrations[text], engine_file=engine)
+
+
+def named_by(file: Path, name: str) -> tuple[str, ...]:
+    """What a command does not use of a file."""
+    from crankfem.files.engine.used_values import not_used
+    from crankfem.files.reading.toml_file import read_toml
+
+    return not_used(read_toml(file), name)
+
+
+def vibration(file: Path) -> Answer:
+    """The results of `vibration`."""
+    return Answer(
+        _plain(json.loads(json.dumps(vibration_of(file).to_record()))), named_by(file, "vibration")
+    )
+
+
+def submission(file: Path) -> Answer:
+    """Sentences and tables of the class document."""
+    from crankfem.analyses.submission.document import check_submission, class_document
+
+    run = vibration_of(file)
+    check_submission(run.engine_file)
+    parts = class_document(run)
+    content = [
+        [part.sentences, [[*map(list, item.table.rows)] for item in part.tables]] for part in parts
+    ]
+    return Answer(json.loads(json.dumps(content, default=str)), named_by(file, "class"))
+
+
+def rest_of_run(file: Path) -> Answer:
+    """What a run has beside vibration and mechanism; its study is planned, not run."""
+    from crankfem.analyses.mechanism.two_masses import checked
+    from crankfem.analyses.strength.engine_strength import engine_strength
+    from crankfem.jobs.run_computation import read_inputs
+
+    inputs = read_inputs(file)
+    answer: list[Any] = [inputs.study and inputs.study.key]
+    if inputs.torque is not None:
+        harmonics = inputs.torque.harmonics()
+        answer += [harmonics.mean, harmonics.amplitude.tolist(), harmonics.phase.tolist()]
+        if inputs.engine_file.two_mass is not None:
+            answer.append(
+                json.loads(json.dumps(checked(inputs.engine_file.two_mass, harmonics).to_record()))
+            )
+    if inputs.engine_file.strength is not None:
+        strength = engine_strength(vibration_of(file), mechanism=inputs.mechanism)
+        answer.append(_plain(json.loads(json.dumps(strength.to_record()))))
+    return Answer(answer, named_by(file, "run"))
+
+
+PRESSURE = ("gas", "gas_map", "load", "misfire", "ranges", "limits", "strength", "propeller_forces")
+
+
+def torsional(door: Door) -> Door:
+    """The torsional part of an answer alone."""
+
+    def asked(file: Path) -> Answer:
+        whole = door(file)
+        return Answer(whole.content[0]["torsional"], whole.named)
+
+    return asked
+
+
+modes = once(without(*PRESSURE, door=command("vibration", "FILE")))
+forced = once(vibration)
+coupled = once(command("vibration", "FILE", "--coupled"))
+# Of each door the kind of its files, and what has parts of its answer, then all of it: what is cheap first.
+DOORS: dict[str, tuple[str | Door, ...]] = {
     "throw": ("engine", command("throw", "FILE")),
     "formulas": ("engine", command("formulas", "FILE")),
     "lookup law": ("engine", command("lookup", "law", "--throw", "FILE")),
@@ -233,7 +351,10 @@ DOORS: dict[str, tuple[str, Door]] = {
     "two-mass": ("engine", command("two-mass", "FILE")),
     "optimum, axial": ("engine", frequency("axial")),
     "optimum, torsional": ("engine", frequency("torsional")),
-    "vibration": ("engine", command("vibration", "FILE")),
+    "vibration": ("engine", modes, forced),
+    "vibration --coupled": ("engine", modes, forced, coupled),
+    "class": ("engine", torsional(modes), submission),
+    "run": ("engine", modes, command("mechanism", "FILE"), forced, coupled, rest_of_run),
     "stress": ("engine", command("stress", "FILE", "--accuracy", "0.2")),
     "hinge": ("hinge", command("hinge", "FILE")),
     "chain": ("chain", command("vibration", "FILE")),
@@ -247,10 +368,18 @@ def shipped_content(kind: str, name: str) -> Content:
     return content
 
 
+def beside(name: str, kind: str, folder: Path) -> None:
+    """Put the files beside a file that is not shipped, which it may name, into a folder."""
+    if name not in shipped_names(kind):
+        for path in Path(name).parent.glob("*.*"):
+            shutil.copy(path, folder)
+
+
 def coarsely() -> None:
-    """Analyze each throw once, with a coarse mesh."""
+    """Analyze each throw once, with a coarse mesh; condense each mesh once."""
     import crankfem.analyses.shaft.throw_analyses as shaft
     import fem.analysis
+    from stand_ins import condensed_once
 
     real, known = fem.analysis.analyze_throw, {}
 
@@ -261,36 +390,47 @@ def coarsely() -> None:
         return known[key]
 
     fem.analysis.analyze_throw = shaft.analyze_throw = analyzed  # type: ignore[assignment]
+    fem.analysis.dynamic_superelement = condensed_once  # type: ignore[assignment]
 
 
-def look(door: Door, kind: str, content: Content, folder: Path) -> Iterator[tuple[Change, str]]:
-    """Return of each change what the door makes of it.
+def look(
+    doors: Sequence[Door], kind: str, content: Content, folder: Path
+) -> Iterator[tuple[Change, str]]:
+    """Return of each change what a door makes of it, which is the last of these; the others are parts of it.
 
     What it names is changed all at once, and one by one only if that changes the answer.
     """
     file = folder / "file.toml"
 
-    def asked(*some: Change) -> Answer | None:
+    def asked(door: Door, *some: Change) -> Answer | None:
         file.write_text(toml_text(changed(content, *some)), encoding="utf-8")
         try:
             return door(file)
-        except (InputError, MeshError, SolveError, SystemExit) as error:
+        except REFUSALS as error:
             if not some:
                 raise ValueError(str(error)) from None
             return None
 
-    before = asked()
-    assert before is not None
+    before = [asked(door) for door in doors]
+    names = getattr(before[-1], "named", ())
+
+    def outcome(*some: Change) -> str:
+        for door, answer in zip(doors, before, strict=True):
+            after = asked(door, *some)
+            if after is None:
+                return REFUSED
+            if not after.same(answer):
+                return CHANGED
+        return LEFT
+
     every = list(changes(kind, content))
-    named = [change for change in every if change.is_named(before.named)]
-    together = asked(*named)
-    alike = together is not None and before.same(together)
+    named = [change for change in every if change.is_named(names)]
+    alike = outcome(*named) == LEFT
     for change in every:
-        is_named = change in named
-        after = together if is_named and alike else asked(change)
-        if after is None:
-            yield change, REFUSED
-        elif before.same(after):
-            yield change, NAMED if is_named else LEFT
+        if change not in named:
+            yield change, outcome(change)
+        elif alike:
+            yield change, NAMED
         else:
-            yield change, WRONG if is_named else CHANGED
+            single = outcome(change)
+            yield change, {LEFT: NAMED, CHANGED: WRONG}.get(single, single)

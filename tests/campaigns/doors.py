@@ -13,7 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from crankfem.files.reading.data_files import shipped_names
-from file_doors import DOORS, LEFT, WORDS, WRONG, coarsely, look, shipped_content
+from file_doors import DOORS, LEFT, WORDS, WRONG, beside, coarsely, look, shipped_content
 
 
 def main() -> None:
@@ -26,16 +26,15 @@ def main() -> None:
     total: Counter[str] = Counter()
     print(f"| door | {' | '.join(WORDS)} |\n|---|{'---:|' * len(WORDS)}")
     for name in asked.doors:
-        kind, door = DOORS[name]
+        kind, *doors = DOORS[name]
         counts: Counter[str] = Counter()
         left: dict[str, set[str]] = {}
-        for shipped in shipped_names(kind):
-            if asked.files and shipped not in asked.files:
-                continue
+        for shipped in asked.files or shipped_names(kind):
             with tempfile.TemporaryDirectory() as folder:
                 try:
                     content = shipped_content(kind, shipped)
-                    for change, outcome in look(door, kind, content, Path(folder)):
+                    beside(shipped, kind, Path(folder))
+                    for change, outcome in look(doors, kind, content, Path(folder)):
                         counts[outcome] += 1
                         if outcome in (LEFT, WRONG):
                             left.setdefault(f"{change.field} {outcome}", set()).add(shipped)

@@ -1,12 +1,37 @@
 """Every value of an input file changes an answer, is refused, or is named as not used."""
 
+import math
+import re
+from pathlib import Path
+
+import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from crankbase.model import part_kind
 from crankfem.files.chain.chain_file import KINDS
+from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.engine.used_values import ALL, USES
-from file_doors import CHANGED, DOORS, LEFT, NAMED, REFUSED, WRONG, look, shipped_content
+from crankfem.files.reading.data_files import data_folder
+from dynamics.gas.pressure import read_pressure_table
+from dynamics.harmonics import read_torque_table
+from fem.material import STEEL
+from file_doors import (
+    CHANGED,
+    DOORS,
+    LEFT,
+    NAMED,
+    REFUSED,
+    SHARE,
+    WRONG,
+    Answer,
+    command,
+    look,
+    shipped_content,
+)
+from fitted_models import known_model
+from regression.models.compliance_model import ComplianceModel
 
 MODELS = {name: section.model for name, section in SECTIONS.items()} | {"chain": KINDS["torsional"]}
 # The full engine with a check of two masses; a chain with damping to ground.
@@ -26,8 +51,8 @@ SLOWER = ("mechanism", "harmonics")
     ],
 )
 def test_no_value_of_a_file_is_dropped_unsaid(name, tmp_path):
-    kind, door = DOORS[name]
-    found = list(look(door, kind, shipped_content(kind, CHEAP[name]), tmp_path))
+    kind, *doors = DOORS[name]
+    found = list(look(doors, kind, shipped_content(kind, CHEAP[name]), tmp_path))
     wrong = [(change.field, change.value) for change, told in found if told in (LEFT, WRONG)]
     assert wrong == []
     outcomes = [told for _, told in found]
@@ -46,6 +71,114 @@ def test_a_value_that_a_deck_has_is_not_named_as_not_used(tmp_path, six_cylinder
     assert not answers[0].same(answers[1])
     assert "material.density" not in answers[0].named
     assert "rod" in answers[0].named
+
+
+def _numbers_changed(text):
+    """Text with each number of its lines but headings and comments, one changed by 3 %."""
+    for number in re.finditer(
+        r"(?<![\w.#^])-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?= |,|$)", text, re.MULTILINE
+    ):
+        line = text[text.rfind("\n", 0, number.start()) + 1 : number.start()]
+        if not line.startswith("#"):
+            value = float(number[0])
+            other = value * (1.0 + SHARE) if value else SHARE
+            yield text[: number.start()] + repr(other) + text[number.end() :]
+
+
+TABLES = {
+    "torque": (
+        (data_folder() / "tables/yamz5340_torque_one_throw.csv").read_text(encoding="utf-8"),
+        lambda file: read_torque_table(file, strokes=4).harmonics().cosine.tolist(),
+    ),
+    "pressure": (
+        "crank_angle_deg,absolute_pressure_bar\n"
+        + "\n".join(
+            f"{5 * k},{20 + 15 * math.cos(math.radians(5 * k)):.6g}" for k in range(0, 72, 2)
+        ),
+        lambda file: read_pressure_table(file, 2).at(angle_deg=np.arange(0.0, 360.0, 1.0)).tolist(),
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", TABLES)
+def test_every_cell_of_a_table_changes_what_is_made_of_it(kind, tmp_path):
+    text, read = TABLES[kind]
+    file = tmp_path / "table.csv"
+
+    def answer(content):
+        file.write_text(content, encoding="utf-8")
+        try:
+            return Answer(read(file))
+        except InputError:
+            return None
+
+    before = answer(text)
+    others = [answer(other) for other in _numbers_changed(text)]
+    assert len(others) >= 72
+    alike = [place for place, other in enumerate(others) if other and other.same(before)]
+    assert alike == []
+
+
+CHAIN_TEXT = """
+torsional chain: two shafts
+
+motor  0.4e-3 kg m^2  ground damping 2 N m s/rad
+  10 kN m/rad  loss 0.02  damping 3 N m s/rad
+pinion  25e-6 kg m^2
+  dashpot 0.5 N m s/rad
+  gear -2  to wheel
+rotor  0 kg m^2  ground 5 N m/rad
+  5000 N m/rad  inertia 2e-4 kg m^2
+wheel  1 kg m^2
+  6000 N m/rad  from pinion  to motor
+"""
+
+
+@pytest.mark.slow
+def test_damping_in_the_text_of_a_chain_is_named_as_not_used(tmp_path):
+    """Of 14 numbers four are damping, which natural frequencies do not depend on."""
+    file = tmp_path / "chain.txt"
+    ask = command("vibration", "FILE")
+
+    def answer(content):
+        file.write_text(content, encoding="utf-8")
+        return ask(file)
+
+    before = answer(CHAIN_TEXT)
+    assert before.named == (
+        "chain.elements.damping",
+        "chain.elements.loss_factor",
+        "chain.nodes.ground_damping",
+        "chain.dashpots",
+    )
+    assert (
+        answer(re.sub("  (damping|loss|ground damping) .*|  dashpot.*", "", CHAIN_TEXT)).named == ()
+    )
+    unlike = [not answer(other).same(before) for other in _numbers_changed(CHAIN_TEXT)]
+    # Of the lines in turn; the ratio of the gear stands behind the dashpot.
+    damps = [False, True, False, True, True, False, True, *(False,) * 7]
+    assert unlike == [not one for one in damps]
+
+
+def test_no_number_of_a_stored_model_can_be_changed(tmp_path):
+    """Its checksum covers all of it."""
+    throw = load_engine("yamz-5340").throw.model_copy(update={"web_thickness": 0.06})
+    file = tmp_path / "model.json"
+    known_model(throw, STEEL, {"axial_compliance": 1e-9}, 0.01).save(file)
+    ComplianceModel.load(file)
+    others = list(_numbers_changed(file.read_text(encoding="utf-8")))
+    assert len(others) > 10
+    for other in others:
+        file.write_text(other, encoding="utf-8")
+        with pytest.raises(InputError, match=r"checksum|version"):
+            ComplianceModel.load(file)
+
+
+def test_a_command_that_takes_no_chain_refuses_one_in_a_sentence():
+    for name in ("run", "mechanism", "draw"):
+        with pytest.raises(InputError, match="is a chain"):
+            command(name, "mwm-six")(Path("mwm-six"))
 
 
 @pytest.mark.parametrize("command", USES)

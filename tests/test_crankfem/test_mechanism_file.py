@@ -371,6 +371,32 @@ def test_a_map_along_a_curve_reads_its_tables(file):
     cylinder_forces(LAYOUT, [0.6 * RATED, 0.9 * RATED], 6.0, found)
 
 
+def test_points_of_a_map_may_take_columns_of_one_table(file):
+    low, full = (
+        [line.split(",") for line in (file.parent / name).read_text().splitlines()[1:]]
+        for name in ("low.csv", "full.csv")
+    )
+    rows = [f"{a},{p},{q}" for (a, p), (_, q) in zip(low[1:], full[1:], strict=True)]
+    (file.parent / "both.csv").write_text("\n".join(["angle,P1,P2", *rows]), encoding="utf-8")
+    section = GasMap.from_text(
+        {
+            "points": [
+                {
+                    "speed": f"{speed} 1/min",
+                    "pressure_table": "both.csv",
+                    "reading": {"columns": {"crank_angle_deg": 1, "absolute_pressure_bar": column}},
+                }
+                for speed, column in ((1000, "P1"), (2000, "P2"))
+            ]
+        }
+    )
+    found = gas_map_pressure(section, 4, InputFiles(file))
+    for speed, name in ((0.5 * RATED, "low.csv"), (RATED, "full.csv")):
+        alone = read_pressure_table(file.parent / name)
+        angles = alone.angles_deg
+        assert found.at(speed).at(angle_deg=angles) == close(alone.pressure, rel=1e-6)
+
+
 def test_a_grid_takes_the_load_of_a_law(file):
     grid = [
         {"speed": f"{speed} 1/min", "load": load, "pressure_table": name}

@@ -274,9 +274,7 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
         _failing(run, cases),
         _barred(run, verdict),
         _dampers(run, cases),
-        DocumentPart(
-            "limits", "Limits", (), (DocumentTable("limits", tables.limit_source_table(cases)),)
-        ),
+        _limits(run, cases),
         _assumptions(run, cases),
     )
 
@@ -304,6 +302,13 @@ def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> Doc
     ):
         sentences += () if table is None else _kept_or_exceeded(what, table)
     return DocumentPart("findings", "Findings", tuple(sentences))
+
+
+def _limits(run: EngineVibration, cases: FiringCases) -> DocumentPart:
+    sources = DocumentTable("limits", tables.limit_source_table(cases))
+    axial = tables.axial_limit_table(run)
+    used = () if axial is None else (DocumentTable("axial_limits", axial),)
+    return DocumentPart("limits", "Limits", (), (sources, *used))
 
 
 def _upper(text: str) -> str:

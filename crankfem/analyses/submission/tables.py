@@ -89,9 +89,11 @@ def _largest(
 
 
 def _value(reached: Reached | None) -> float | str | None:
-    if reached is None:
-        return None
-    return UNBOUNDED if math.isinf(reached.value) else reached.value
+    return None if reached is None else _finite(reached.value)
+
+
+def _finite(value: float) -> float | str:
+    return UNBOUNDED if math.isinf(value) else value
 
 
 def _used(reached: Reached | None) -> float | None:
@@ -716,6 +718,24 @@ def limit_source_table(cases: FiringCases) -> Table:
             [("assumed: " if each.assumed else "") + each.source for each in limits.values()],
         ),
         (Column("remark", words=True), [each.remark or "-" for each in limits.values()]),
+    )
+
+
+def axial_limit_table(run: EngineVibration) -> Table | None:
+    """Return the use of each limit of the axial vibration, which the verdict has too; None without any."""
+    assert run.assessment is not None
+    axial = {limit.name for limit in run.assessment.judged_limits if limit.kind == "axial"}
+    checks = [check for check in run.assessment.verdict.checks if check.limit.name in axial]
+    if not checks:
+        return None
+    return Table(
+        "Axial vibration: use of its limits",
+        [Column("limit", words=True), Column("place", words=True), SPEED, USED],
+        [
+            [check.limit.name, check.place, check.worst_speed, _finite(check.used)]
+            for check in checks
+        ],
+        marks=_marks("over", [not check.passed for check in checks]),
     )
 
 

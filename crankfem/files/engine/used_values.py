@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from crankbase.errors import InputError
+from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.reading.toml_file import TomlFile
 
@@ -16,9 +17,17 @@ ELASTIC = ("material.youngs_modulus", "material.poisson_ratio")
 SHAFT = (*THROW, "shaft", "shaft_ends", "engine.crank_angles")
 MECHANISM = ("engine", "throws", "shaft", "rod", "piston", "hinged_rods", "gas", "load")
 RUNNING = ("engine.lowest_speed", "engine.highest_speed")
+POLES = "engine.generator_poles"
 STUDY = (*THROW, "material", "study")
 # Only the run has results of these.
 RUN_ALONE = ("study", "torque", "two_mass_check", "strength")
+# Only the class document has results of these.
+CLASS_ALONE = (
+    *(f"limits.{name}" for name in ("coupling_heat", "damper_torque", "damper_heat")),
+    *("limits.generator_angle", "limits.elements.heat", POLES),
+)
+# Of the crankshaft's steel, for a limit by a rule; where the maker's limit replaces it nothing is.
+STEEL = ("limits.tensile_strength", "limits.yield_strength", "limits.alloy")
 # Only the whole crankshaft has these.
 WHOLE = (
     "shaft_ends",
@@ -35,12 +44,26 @@ UNFORCED = (
     *(*RUN_ALONE, *WHOLE, *RUNNING),
     *("gas", "gas_map", "load", "misfire", "propeller_forces", "limits", "ranges", "damping"),
     *("engine.bore", "engine.rated_speed", "engine.rated_power", "engine.firing_order"),
-    *("engine.drives", "vibration", "bearings.lowest_stiffness", "bearings.highest_stiffness"),
+    *(
+        "engine.drives",
+        POLES,
+        "vibration",
+        "bearings.lowest_stiffness",
+        "bearings.highest_stiffness",
+    ),
     *(f"*.{name}" for name in FREE),
 )
 ROTATING = ("flywheel.inertia", "free_end.inertia")
 TORSIONAL_ALONE = (*ROTATING, "torsional_damper", "driven", "rod", "piston")
 AXIAL_ALONE = ("flywheel.mass", "free_end.mass", "axial_damper", "thrust_bearing")
+# What the class document, which is on torsion, takes only to judge a limit of the axial vibration.
+AXIAL_LIMITS = {"axial_amplitude", "axial_force"}
+TO_JUDGE_AXIAL = (
+    *(*AXIAL_ALONE, "damping.axial_magnifier", "vibration.axial_source", "shaft_line.axial"),
+    *("ranges.axial_compliance", "ranges.mass", "ranges.thrust_stiffness"),
+    *("propeller_forces.rated_thrust", "propeller_forces.thrust_shares"),
+    "propeller_forces.thrust_phases",
+)
 # By command, perhaps with an option that changes it: sections and fields that it uses, and that it does not.
 # The longer name decides; a name may begin with any section, "*.".
 USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -57,18 +80,18 @@ USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "plan": (STUDY, ()),
     "doe": (STUDY, ()),
     "designs": (STUDY, ()),
-    "mechanism": ((*MECHANISM, "throw", "material.density"), RUNNING),
-    "harmonics": ((*MECHANISM, "throw.crank_radius"), (*RUNNING, "engine.rated_power")),
+    "mechanism": ((*MECHANISM, "throw", "material.density"), (*RUNNING, POLES)),
+    "harmonics": ((*MECHANISM, "throw.crank_radius"), (*RUNNING, "engine.rated_power", POLES)),
     "two-mass": (
         ("two_mass_check", "torque", "vibration.highest_order", "engine"),
-        ("engine.bore", "engine.stroke", "engine.rated_power"),
+        ("engine.bore", "engine.stroke", "engine.rated_power", POLES),
     ),
-    "vibration": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE)),
-    "vibration --coupled": ((ALL, "strength.tensile_strength"), RUN_ALONE),
+    "vibration": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, *CLASS_ALONE)),
+    "vibration --coupled": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *CLASS_ALONE)),
     "vibration of a chain": ((ALL,), ("chain.dashpots", *(f"*.{name}" for name in FREE))),
     "class": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE)),
-    "run": ((ALL,), ()),
-    "run --model": ((ALL,), ("study", "vibration.model")),
+    "run": ((ALL,), CLASS_ALONE),
+    "run --model": ((ALL,), (*CLASS_ALONE, "study", "vibration.model")),
     "optimum": ((*THROW, "material"), ()),
     "optimum --first_axial_frequency": ((ALL,), (*UNFORCED, *TORSIONAL_ALONE)),
     "optimum --first_torsional_frequency": (
@@ -95,12 +118,21 @@ def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
     command : str
         Its name, perhaps with an option that changes what it uses, as "draw --shaft".
     """
-    of_chain = f"{command} of a chain"
-    used, without = USES[of_chain if file_kind(content) == "chain" else command]
+    key = f"{command} of a chain" if file_kind(content) == "chain" else command
+    if key not in USES:  # the command refuses the file
+        return ()
+    used, without = USES[key]
     if WHOLE[0] in without and "plant" in content.sections.get("shaft_line", {}):
         without += ROTATING  # which the plant's chain has; only the whole crankshaft takes them
     if command == "run" and "model" in content.sections.get("vibration", {}):
         without += ("study",)  # for which the saved model stands
+    limits = content.sections.get("limits", {}).keys()
+    if "crankshaft_stress" in limits:
+        without += STEEL
+    if {"crankshaft_stress", "tensile_strength"} & limits and not command.startswith("run"):
+        without += ("strength.tensile_strength",)
+    if command == "class" and not AXIAL_LIMITS & limits:
+        without += TO_JUDGE_AXIAL
     if content.sections.get("vibration", {}).get("reciprocating", "half") == "half":
         without += ("rod.length",) if "vibration.reciprocating" in used else ()
     names: list[str] = []
@@ -112,12 +144,21 @@ def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
 
 
 def not_used_of(source: str, command: str) -> tuple[str, ...] | None:
-    """Name what is not used of a file or a shipped one; None if it has no sections, or cannot be read."""
+    """Name what is not used of a file or a shipped one, as a file with sections has it; None if unread."""
     try:
         content = any_sections(source)
+        if content is not None:
+            return not_used(content, command)
+        chain = load_chain(source).chain
     except InputError:  # which the command itself tells
         return None
-    return None if content is None else not_used(content, command)
+    damps = {
+        "chain.elements.damping": any(chain.damping),
+        "chain.elements.loss_factor": any(chain.loss_factor),
+        "chain.nodes.ground_damping": any(chain.ground_damping),
+        "chain.dashpots": bool(chain.dashpots),
+    }
+    return tuple(name for name, there in damps.items() if there)
 
 
 def _fields(path: str, values: Mapping[str, Any]) -> Iterator[str]:

@@ -176,18 +176,19 @@ def gas_map_pressure(
     fires : bool, optional
         Whether the diagrams are those of an engine, as of `read_pressure_table`.
     """
-    diagrams: dict[str, GasPressure] = {}
+    # By table and how it is read: columns or sheets of one file may be different diagrams.
+    diagrams: dict[tuple[str, str], GasPressure] = {}
+    points: list[tuple[float, float, GasPressure]] = []
     for number, point in enumerate(section.points):
-        name = point.pressure_table
-        if name not in diagrams:
-            table = files.named(f"gas_map.points[{number}].pressure_table", name, "tables")
+        key = point.pressure_table, repr(point.reading)
+        if key not in diagrams:
+            field = f"gas_map.points[{number}].pressure_table"
+            table = files.named(field, point.pressure_table, "tables")
             table = replace(table, reading=point.reading)
-            diagrams[name] = read_pressure_table(table, strokes, fires=fires)
+            diagrams[key] = read_pressure_table(table, strokes, fires=fires)
+        points.append((point.speed, point.load, diagrams[key]))
     try:
-        return pressure_map(
-            ((point.speed, point.load, diagrams[point.pressure_table]) for point in section.points),
-            method=section.method,
-        )
+        return pressure_map(points, method=section.method)
     except InputError as error:
         raise InputError(f"gas_map.{error}") from None
 
