@@ -90,6 +90,7 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
 # What pydantic's findings about fields without a unit mean to people.
 _KINDS = {
     "float_type": "a number",
+    "float_parsing": "a number",
     "int_from_float": "a whole number",
     "int_parsing": "a whole number",
     "int_type": "a whole number",
