@@ -37,6 +37,13 @@ def test_power_is_compared_by_size(compressor):
     assert not mechanism_of(starved).power.consistent
 
 
+def test_values_are_compared_with_the_torque_by_size(compressor):
+    """Without a rated power the indicated one counts, which a driven machine takes: it is negative."""
+    unrated = compressor.changed(engine={"rated_power": None}, limits={"coupling_torque": 300.0})
+    assert mechanism_of(unrated).power.indicated < 0.0
+    assert mechanism_of(unrated).warnings == ()
+
+
 def test_cylinders_are_numbered_in_the_order_of_their_tops(compressor):
     assert compressor.engine.top_order == (1, 2, 3)
     turned = compressor.changed(engine={"crank_angles": np.radians([0.0, 120.0, 240.0]).tolist()})

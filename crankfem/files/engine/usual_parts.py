@@ -99,10 +99,10 @@ class EngineScale:
 
     @cached_property
     def rated(self) -> float:
-        """Rated power, or the indicated one, or that of a usual pressure [W]."""
+        """Rated power, or the indicated one, or that of a usual pressure, given or taken [W]."""
         engine = self.file.engine
         cycles = engine.rated_speed / (math.pi * engine.strokes)
-        return engine.rated_power or self.power or 1.4e6 * self.swept * cycles
+        return engine.rated_power or abs(self.power or 0.0) or 1.4e6 * self.swept * cycles
 
     @cached_property
     def torque(self) -> float:
