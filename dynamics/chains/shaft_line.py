@@ -35,7 +35,7 @@ class Driven(InputModel):
     }
 
     inertia: float = quantity_field(
-        "inertia of the driven machine, referred to the crankshaft", "kg m^2", 1e-9, 1e8
+        "inertia of the coupled machine, referred to the crankshaft", "kg m^2", 1e-9, 1e8
     )
     coupling_stiffness: float = quantity_field(
         "torsional stiffness of the coupling", "N m/rad", 1e-4, 1e12
