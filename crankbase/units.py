@@ -55,6 +55,7 @@ _LONG_METRIC = {
     "watt": ("watt", "mega kilo"),
     "second": ("second", "milli micro"),
     "hertz": ("hertz", "kilo"),
+    "byte": ("byte", "kilo mega giga"),
     "radian": ("radian", "milli"),
 }
 _CYRILLIC = {
@@ -113,6 +114,13 @@ _OTHERS = {
     "cubic_centimeter": "cc ccm",
     "square_centimeter": "qcm",
     "square_millimeter": "qmm",
+    "byte": "B",
+    "kilobyte": "kB",
+    "megabyte": "MB",
+    "gigabyte": "GB",
+    "terabyte": "TB",
+    "mebibyte": "MiB",
+    "gibibyte": "GiB",
     "kelvin": "K К kelvin Kelvin degK",
     "degree_Celsius": "degC degС celsius Celsius C",
     "degree_Fahrenheit": "degF fahrenheit Fahrenheit F",

@@ -286,7 +286,7 @@ def test_fields_are_explained(call):
 @pytest.mark.slow
 def test_export_of_solid_mesh_and_shaft(call, tmp_path):
     for file, options in (("a.step", ()), ("shaft.stp", ("--shaft",)), ("m.vtu", ("--size", "2"))):
-        answer = call("export", "6chn25-34", file, *options)
+        answer = call("export", "6chn25-34", file, "--quiet", *options)
         assert (answer.code, answer.err) == (0, "")
         assert f"{file} written" in answer.out
         assert (tmp_path / file).stat().st_size > 10_000
