@@ -26,6 +26,8 @@ CLASS_ALONE = (
     *(f"limits.{name}" for name in ("coupling_heat", "damper_torque", "damper_heat")),
     *("limits.generator_angle", "limits.elements.heat", POLES),
 )
+# Only a check of the mechanism, whether the skirt meets a counterweight, has this.
+SKIRT = "piston.skirt_length"
 # Of the crankshaft's steel, for a limit by a rule; where the maker's limit replaces it nothing is.
 STEEL = ("limits.tensile_strength", "limits.yield_strength", "limits.alloy")
 # Only the whole crankshaft has these.
@@ -46,6 +48,7 @@ UNFORCED = (
     *("engine.bore", "engine.rated_speed", "engine.rated_power", "engine.firing_order"),
     *(
         "engine.drives",
+        SKIRT,
         POLES,
         "vibration",
         "bearings.lowest_stiffness",
@@ -86,10 +89,10 @@ USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("two_mass_check", "torque", "vibration.highest_order", "engine"),
         ("engine.bore", "engine.stroke", "engine.rated_power", POLES),
     ),
-    "vibration": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, *CLASS_ALONE)),
-    "vibration --coupled": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *CLASS_ALONE)),
+    "vibration": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, *CLASS_ALONE, SKIRT)),
+    "vibration --coupled": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *CLASS_ALONE, SKIRT)),
     "vibration of a chain": ((ALL,), ("chain.dashpots", *(f"*.{name}" for name in FREE))),
-    "class": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE)),
+    "class": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, SKIRT)),
     "run": ((ALL,), CLASS_ALONE),
     "run --model": ((ALL,), (*CLASS_ALONE, "study", "vibration.model")),
     "optimum": ((*THROW, "material"), ()),
