@@ -186,7 +186,7 @@ def test_pictures_from_the_command_line(opengl, call, tmp_path):
     answer = call("draw", "vw-tdi", "--picture", "throw.png", "--shaft", "shaft.png", "--json")
     assert answer.code == 0, answer.err
     files = ["vw-tdi-throw.svg", "throw.png", "shaft.png"]
-    assert answer.json() == {"files": files}
+    assert answer.json()["files"] == files
     assert {path.name for path in tmp_path.glob("[!.]*")} == set(files)
     check_picture(tmp_path / "throw.png", 1200)
     check_picture(tmp_path / "shaft.png", 2400)
