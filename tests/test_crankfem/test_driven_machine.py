@@ -87,6 +87,10 @@ def test_the_motor_is_a_node_behind_its_coupling(compressor):
         ({"engine": {"drives": "generator"}}, "engine.drives"),
         ({"engine": {"strokes": 4}}, "engine.strokes"),
         ({"driven": {"inertia": 1.0, "coupling_stiffness": 1e4}}, "driven"),
+        (
+            {"driver": {"variation": {"amplitude": (1e-3, 1e-2), "stiffness": (1.0, 1.2)}}},
+            "driver.variation.amplitude",
+        ),
         ({"misfire": {"cylinders": (1,)}}, "misfire"),
         ({"load": {"law": "propeller"}}, "load"),
         ({"gas": {"clearance": None}}, "gas.clearance"),

@@ -72,6 +72,7 @@ from crankfem.files.sections.vibration_sections import (
 )
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import Driven, Driver
+from dynamics.chains.varying import over_amplitude
 from fem.material import STEEL, Material
 from geometry.crankshaft import Crankshaft, ShaftEnds
 from geometry.throw import CrankThrow
@@ -230,6 +231,26 @@ def check_driven(file: "EngineFile | MechanismSections") -> None:
             )
 
 
+def check_variations(file: "EngineFile") -> None:
+    """Refuse what varies over the amplitude: natural vibration and the verdict know none."""
+    varying = [
+        part.name
+        for part in fields(EngineFile)
+        if (variation := getattr(getattr(file, part.name), "variation", None))
+        and variation.amplitude
+    ]
+    varying += [
+        name
+        for name, line in file.shaft_lines.items()
+        if any(over_amplitude(spring.law) for spring in line.varying)
+    ]
+    if varying:
+        raise InputError(
+            f"{varying[0]}.variation.amplitude: given for a part of an engine; allowed are frequency, "
+            "torque, speed and temperature, because natural frequencies and the verdict know no amplitude."
+        )
+
+
 def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
     """Refuse a highest order that the engine's cycle does not have."""
     lowest = 2.0 / engine.strokes
@@ -373,6 +394,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         check_sources(self.vibration, self.study)
         check_driven(self)
         check_plant(self)
+        check_variations(self)
         check_highest_order(self.vibration, self.engine)
         check_strength(self.strength, self.crank_throws, self.gas or self.gas_map)
 
