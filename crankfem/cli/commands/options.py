@@ -186,13 +186,16 @@ def with_output(
         ) -> None:
             console.output.printed = console.errors.printed = 0
             output = Output(parse_output_units(units), json, quiet, force, full)
-            note = _name_not_used(command.__name__, source.split(), arguments, output)
-            # Its lines are those of the first screen too.
-            console.errors.printed = len(wrapped(note, console.errors.width)) if note else 0
-            try:
-                command(**arguments, out=output)
-            finally:
-                console.output.not_used = None
+            from crankfem.files.reading.toml_file import each_file_once
+
+            with each_file_once():
+                note = _name_not_used(command.__name__, source.split(), arguments, output)
+                # Its lines are those of the first screen too.
+                console.errors.printed = len(wrapped(note, console.errors.width)) if note else 0
+                try:
+                    command(**arguments, out=output)
+                finally:
+                    console.output.not_used = None
             if note:
                 console.print_note(note)
 

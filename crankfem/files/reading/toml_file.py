@@ -5,6 +5,8 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -483,6 +485,20 @@ class TomlFile:
             )
 
 
+# By path, text and content of the files that a command has read.
+_READ: ContextVar[dict[Path, tuple[str, dict[str, Any]]] | None] = ContextVar("read", default=None)
+
+
+@contextmanager
+def each_file_once() -> Iterator[None]:
+    """Read no file twice in this context: all that a command takes from one is of one state of it."""
+    token = _READ.set({})
+    try:
+        yield
+    finally:
+        _READ.reset(token)
+
+
 def read_toml(file: Path | InputFiles) -> TomlFile:
     """Read a file into sections."""
     files = file if isinstance(file, InputFiles) else InputFiles(file)
@@ -491,15 +507,21 @@ def read_toml(file: Path | InputFiles) -> TomlFile:
         raise InputError(
             f"{path}: is a STEP file; allowed is a TOML file here, because only `crankfem throw` reads STEP."
         )
-    text = files.own.text(LARGEST_TEXT_FILE, "a file of dimensions", "a TOML file")
-    check_keys(path.name, text)
-    try:
-        content = tomllib.loads(text)
-    except RecursionError:
-        raise too_deep(path.name) from None
-    except ValueError as error:  # not TOML, or a number of thousands of digits
-        raise InputError(f"{path}: {not_toml(text, error)}") from None
-    return sections_of(files, content, text)
+    known = _READ.get() if files.sent is None else None
+    if known is None or path.absolute() not in known:
+        text = files.own.text(LARGEST_TEXT_FILE, "a file of dimensions", "a TOML file")
+        check_keys(path.name, text)
+        try:
+            content = tomllib.loads(text)
+        except RecursionError:
+            raise too_deep(path.name) from None
+        except ValueError as error:  # not TOML, or a number of thousands of digits
+            raise InputError(f"{path}: {not_toml(text, error)}") from None
+        if known is None:
+            return sections_of(files, content, text)
+        known[path.absolute()] = text, content
+    text, content = known[path.absolute()]
+    return sections_of(files, deepcopy(content), text)
 
 
 def sections_of(files: InputFiles, content: dict[str, Any], text: str = "") -> TomlFile:
