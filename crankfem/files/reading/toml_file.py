@@ -94,7 +94,7 @@ def check_content(name: str, content: dict[str, Any]) -> None:
             raise InputError(
                 f"{name}: {field}: given {value}, which is not finite; allowed are numbers up to 1.8e308."
             )
-        elif isinstance(value, int) and (value if value > 0 else ~value).bit_length() > MOST_BITS:
+        elif isinstance(value, int) and not -(2**MOST_BITS) <= value < 2**MOST_BITS:
             raise InputError(
                 f"{name}: {field}: given a whole number of {value.bit_length()} bits; allowed is "
                 f"{MOST_BITS} at most, because TOML has no larger ones."
