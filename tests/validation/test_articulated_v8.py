@@ -1,14 +1,15 @@
 """Inertia forces of a V8 with hinged rods, engine 8ChN 26/26.
 
-Source: T. I. Mikhina, V. S. Vyalkov, Politekhnicheskiy molodezhnyy zhurnal, 2024, no. 05 (94): table 1
-(R 130, R_1 150, L 650, L_n 500 mm), table 2 (piston 44.1 kg, reciprocating 66.0 kg with the main rods and
-55.1 kg with the hinged ones, rotating 133.3 kg), table 3 (cranks 0-180-180-0), 45 deg, 1000 1/min, equations
-(1) to (4), and the percentages in the text.
+Source: T. I. Mikhina, V. S. Vyalkov, Politekhnicheskiy molodezhnyy zhurnal 2024 no. 05 (94): tables 1 to 3,
+equations (1) to (4), percentages in the text.
 
-Tolerances: results of (1) to (4) agree to round-off. Printed percentages are met to half of the last digit
-where their reference is known: changes of the hodograph by the masses refer to the mean of the two values.
-Those by the kinematics (13.3, 14.4 and 0.08 %) do not follow from table 1; the lengths that give them are
-tested. The single rods' masses are assumed such that they give table 2.
+Tolerance: round-off of (1) to (4); half of the last digit of percentages. Those by the kinematics do not
+follow from table 1; lengths that give them are tested.
+
+Table 1: R 130, R_1 150, L 650, L_n 500 mm; table 2: piston 44.1 kg, reciprocating 66.0 kg with the main
+rods and 55.1 kg with the hinged ones, rotating 133.3 kg; table 3: cranks 0-180-180-0, 45 deg, 1000 1/min.
+Changes of the hodograph by the masses refer to the mean of the two values. Those by the kinematics are
+13.3, 14.4 and 0.08 %. The single rods' masses are assumed such that they give table 2.
 """
 
 import math

@@ -1,8 +1,12 @@
 """Assumed inputs are counted; a verdict that depends on one is undecided.
 
-Source: each value that an engine file leaves open is given one by one; the list of assumptions is then
-shorter by that value. The steel at which a verdict changes follows from a formula by hand where nothing may
-be barred, and from the whole calculation where something may.
+Source: each value that an engine file leaves open, given one by one; the steel at which the verdict
+changes, by the class rule inverted by hand.
+
+Tolerance: round-off.
+
+The list of assumptions is then shorter by that value. Where something may be barred, the steel follows from
+the whole calculation.
 """
 
 import math

@@ -1,12 +1,9 @@
 """Axial force of a crankshaft over the working cycle.
 
-Source: the shaft assembled from superelements with bearings as springs, solved with all loads, and the axial
-chain with its modal damping. All pins of shipped engines carry radial and tangential forces at every degree
-of the cycle. A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Morskaya tekhnika i tekhnologiya 2021 no. 4, pp.
-75-83, doi 10.24143/2073-1574-2021-4-75-83, show such reactions in figure 5, for a crank without dimensions.
+Source: shaft of superelements on bearing springs, solved with all pin loads at every degree, and the damped
+axial chain. Yamanin and Zhukov 2021, doi 10.24143/2073-1574-2021-4-75-83, figure 5, without dimensions.
 
-Tolerances: round-off and the superelement's residual under rigid turning, 2e-6 of the largest, bound 1e-5;
-the chain is solved twice with the same numbers, 1e-8.
+Tolerance: 1e-5: round-off and the superelement's turning residual, 2e-6; the chain, solved twice, 1e-8.
 """
 
 import numpy as np

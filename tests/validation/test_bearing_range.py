@@ -1,8 +1,9 @@
 """Results over the range of the main bearings' stiffness.
 
-Source: the engine calculated again with one stiffness, at its full grid of speeds and the worst speeds
-between them. The sweep, at a coarse grid, must find the same within 3 %, and the same verdict. The bounds of
-the chain's first frequency are those of an eigenproblem in the test.
+Source: the same engine in bearings of one stiffness each, at its full grid of speeds; the chain's
+eigenproblem in the test.
+
+Tolerance: 3 % of the used share, for the sweep's coarse grid, with the same verdict; frequencies round-off.
 """
 
 import math

@@ -1,11 +1,12 @@
 """Compliances and reactions of throws with all features, on the same mesh.
 
-Source: CalculiX 2.20 (G. Dhondt, https://www.calculix.de), element C3D10, end sections as rigid bodies,
-linear static steps, on the same coarse mesh of the whole throw. CalculiX solves the throw under each load;
-crankfem uses the condensed 12 x 12 stiffness, not corrected for discretization.
+Source: CalculiX 2.20 (https://www.calculix.de), element C3D10, rigid end sections, each load on the same
+coarse mesh of the whole throw; crankfem by its condensed 12 x 12 stiffness, not corrected for
+discretization.
 
-Tolerance: the differences are round-off and the 7 digits that CalculiX prints, at most 3e-7 of a value. 1e-5
-leaves room for other equation solvers; a wrong edge node, support, load share or sign makes percents.
+Tolerance: 1e-5: round-off and the 7 digits that CalculiX prints make 3e-7; a wrong edge node, support, load
+share or sign makes percents.
+
 Reactions are relative to the load, their moments to the load times the crank radius. CalculiX itself is
 first tested on a square bar with nu = 0: L/(E A), L/(E I) and reactions from equilibrium, 1e-6.
 """

@@ -1,12 +1,13 @@
 """Natural vibration of chains.
 
-Sources: the free chain of N equal masses m and springs k, f_j = (1/pi) sqrt(k/m) sin(j pi / (2N)) with shapes
-cos(j pi (i + 1/2) / N), and the uniform free rod, f_j = j/(2L) sqrt(E/rho), as in S. S. Rao, Mechanical
-Vibrations.
+Source: free chain of N equal masses, f_j = (1/pi) sqrt(k/m) sin(j pi / (2N)), and the uniform free rod,
+j/(2L) sqrt(E/rho) (S. S. Rao, Mechanical Vibrations).
 
-Tolerances: round-off for the chain. A rod of N elements with half masses at their ends has
-w_j = 2 sqrt(k/m) sin(j pi / (2N)), with consistent mass w_j^2 = 6 (k/m) (1 - cos t) / (2 + cos t),
-t = j pi / N: round-off. They are too low and too high against the rod by t^2 / 24, which is tested.
+Tolerance: round-off; elements of a rod are off by t^2 / 24, t = j pi / N, which is tested.
+
+Shapes of the chain: cos(j pi (i + 1/2) / N). A rod of N elements with half masses at their ends has w_j = 2
+sqrt(k/m) sin(j pi / (2N)), with consistent mass w_j^2 = 6 (k/m) (1 - cos t) / (2 + cos t): round-off. They
+are too low and too high against the rod.
 """
 
 import numpy as np

@@ -1,9 +1,10 @@
 """Difference between a whole crankshaft and its chain, on five engines.
 
-Source: statics and an eigenproblem in the test. The throws' stiffness is assembled row by row, with springs
-of the main bearings, coupling and damper's ring. Inertia is at the chain's positions, about the shaft axis
-alone. Only the path of inertia loads then differs: the first torsional frequency must be that of the chain
-within 1 %.
+Source: statics and an eigenproblem: stiffness assembled row by row with springs of bearings, coupling and
+ring; inertia at the chain's positions about the shaft axis.
+
+Tolerance: 1 % of the first torsional frequency, as only the path of inertia loads differs; the rest
+round-off.
 """
 
 import math

@@ -1,10 +1,9 @@
 """Crankshaft strength by UR M53: factors, fatigue strength, nominal stresses.
 
-Source of the formulas: Korean Register, Rules for the Classification of Steel Ships 2025, Part 5 Guidance,
-Annex 5-3 (IACS unified requirement M53 Rev.5). The factors of three cranks were worked out from the printed
-polynomials with 40 digits, apart from this program: half of the last digit shown is allowed. Nominal
-stresses are written out here step by step from pressures and masses, with plain numbers, and may be off by
-0.1 %, for the pressure is read with five digits.
+Source: Korean Register, Rules for Steel Ships 2025, Part 5 Guidance, Annex 5-3 (IACS UR M53 Rev.5): three
+cranks' factors from the printed polynomials with 40 digits; nominal stresses step by step in the test.
+
+Tolerance: half of the last digit shown; nominal stresses 0.1 %, as the pressure is read with five digits.
 """
 
 import math

@@ -1,11 +1,14 @@
 """Critical speeds with damping, damped modes and the cause of a peak.
 
-Source: matrices M, C, K and H of an engine of six cylinders with a viscous damper, solved with numpy alone:
-each order at each of very many speeds; the eigenvalues of the state space; the sum of the orders over many
-thousand angles. The forces are those of gas and, growing with the squared speed, of masses.
+Source: matrices M, C, K, H of an engine of six cylinders with viscous damper, numpy alone: each order at
+very many speeds, eigenvalues, sums over angles.
 
-Tolerance: peaks are refined between speeds; the reference is the vertex of a parabola through three
-neighbors 2e-4 of the speed apart, off by less than 1e-6 where the half bandwidth is 5e-3 and more.
+Tolerance: 1e-5: the reference, a parabola through neighbors 2e-4 of the speed apart, is off by less than
+1e-6.
+
+Eigenvalues are those of the state space; the orders are summed over many thousand angles. The forces are
+those of gas and, growing with the squared speed, of masses. The reference holds where the half bandwidth is
+5e-3 and more.
 """
 
 import numpy as np

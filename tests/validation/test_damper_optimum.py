@@ -1,16 +1,15 @@
 """Dampers found by search.
 
-Sources:
+Source: J. P. Den Hartog, Mechanical Vibrations, 4th edition, section 3.3: untuned viscous damper, least
+peak (2 + mu) / mu; tuned damper, fixed points of sqrt(1 + 2 / mu).
 
-- untuned viscous damper (Houdaille): least peak (2 + mu) / mu at c / (2 I w) =
-  1 / sqrt(2 (1 + mu) (2 + mu)); J. P. Den Hartog, Mechanical Vibrations, 4th edition, section 3.3.
-- tuned damper: two fixed points, at best both of sqrt(1 + 2 / mu) with the tuning 1 / (1 + mu); the same
-  section. It is a lower bound on the peak of any tuned damper. The best loss factor follows here from the
-  response, minimized over a fine grid of frequencies, tunings and loss factors.
+Tolerance: 5e-4 of the search, 2e-4 between its speeds; damping 2 %, as the peak is flat at its least.
 
-Tolerances: the search resolves its variables to 5e-4 and uses speeds 0.004 apart and resonances; a curve
-between them is higher by up to (0.002 / half width)^2 / 2, below 2e-4 here. The peak is flat at its least,
-so the damping may differ by the root of that, 2 %.
+Viscous damper (Houdaille): at c / (2 I w) = 1 / sqrt(2 (1 + mu) (2 + mu)). Tuned damper: two fixed points,
+at best both of that height with the tuning 1 / (1 + mu), a lower bound on the peak of any tuned damper. The
+best loss factor follows here from the response, minimized over a fine grid of frequencies, tunings and loss
+factors. The search uses speeds 0.004 apart and resonances; a curve between them is higher by up to (0.002 /
+half width)^2 / 2, below 2e-4 here.
 """
 
 import numpy as np

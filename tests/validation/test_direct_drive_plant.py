@@ -1,12 +1,14 @@
 """The direct-drive plant of a Wartsila 5RT-flex50D.
 
-Source: data of Wartsila for the plant (inertias, stiffnesses, damper, shafts) in a public Matlab file, which
-prints natural frequencies of 330.08, 502.10 and 1872.20 1/min and an order-5 critical speed of 66.0 1/min.
-The shipped engine 5rt-flex50d has these data; the assumed dimensions of its throw do not enter the chain.
+Source: data of Wartsila for the plant in a public Matlab file, with natural frequencies of 330.08, 502.10,
+1872.20 1/min and a critical speed of 66.0 1/min.
 
-Tolerances: 0.02 % of the frequencies, from data of three to five digits; 0.1 % of the critical speed, printed
-to 0.1/min. The ends of the barred range are the rule's, 16 n/(18 - r) and (18 - r) n/16 with r = n over the
-rated speed; the verdict's range contains them.
+Tolerance: 0.02 % of the frequencies, from data of three to five digits; 0.1 % of the critical speed,
+printed to 0.1/min.
+
+The shipped engine 5rt-flex50d has these data; the assumed dimensions of its throw do not enter the chain.
+The ends of the barred range are the rule's, 16 n/(18 - r) and (18 - r) n/16 with r = n over the rated
+speed; the verdict's range contains them.
 """
 
 import numpy as np

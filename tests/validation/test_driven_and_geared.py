@@ -1,10 +1,12 @@
 """A motor-driven compressor and a geared generating set with a soft coupling, held against our own models.
 
-Source: slider-crank kinematics, chains and their dynamic stiffness written here with numpy alone, from the
-values of the files. What finite elements and the cycle model give (compliances, masses, the engine's gas
-pressure) is taken as numbers. Both sides sample pressures four times a degree; angles of the files have ten
-digits, whence 1e-6 of sums that cancel, and largest values over the cycle are read at 20,000 angles a
-revolution, 1e-5. The rest is round-off.
+Source: slider-crank, chains and their dynamic stiffness written anew with numpy from the files' values;
+compliances, masses and gas pressure are taken as numbers.
+
+Tolerance: 1e-6 of sums that cancel, as files give angles with ten digits; 1e-5 of largest values, read at
+20,000 angles; the rest is round-off.
+
+Both sides sample pressures four times a degree.
 """
 
 from dataclasses import dataclass

@@ -1,19 +1,21 @@
 """Modes of straight bars and of a shaft of four throws.
 
-Bars. Sources: natural frequencies of a free bar of length L, n c/(2 L) with the wave speed sqrt(E/rho) along
-it, divided by sqrt(1 + (n pi nu r/L)^2) for the inertia of contraction (r the polar radius of gyration; A. E.
-H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed. 1927, art. 278), and sqrt(G/rho) in
-torsion. Bending: Timoshenko's beam by matrix exponential, with the shear coefficient
-6 (1 + nu)^2/(7 + 12 nu + 4 nu^2) (J. R. Hutchinson, J. Appl. Mech. 68, 87-92, 2001). Guyan's mass of a
-twisted bar is that of the linear bar element, with frequencies sqrt(6 (1 - cos t)/(2 + cos t)) c/(2 pi h),
-t = n pi h/L, in elements of length h.
+Source: free bars: n c/(2 L), corrected for contraction (A. E. H. Love 1927, art. 278); Timoshenko's beam
+with J. R. Hutchinson's coefficient (J. Appl. Mech. 68, 2001, 87-92); four throws with natural modes to 8000
+Hz.
 
-Tolerances, twice the measured values: torsion 3e-5 (first mode) to 1.6e-4 (fourth), tension 5e-5, bending
-2e-5, 1e-4 and 2.5e-4 in the first three modes.
+Tolerance: twice the measured values: torsion 3e-5 (first mode) to 1.6e-4 (fourth), tension 5e-5, bending
+2e-5 to 2.5e-4.
 
-Shaft. Four throws with cranks at 0, 180, 180, 0 degrees in bearings that hold the main journals' centers
-laterally. The reference is the same mesh's superelement with natural modes to 8000 Hz and corrections; modes
-above 6000 Hz change frequencies up to 800 Hz by 1e-9.
+Bars: n c/(2 L) with the wave speed sqrt(E/rho) along the bar, divided by sqrt(1 + (n pi nu r/L)^2) for the
+inertia of contraction (r the polar radius of gyration), and sqrt(G/rho) in torsion. Bending by matrix
+exponential, with the shear coefficient 6 (1 + nu)^2/(7 + 12 nu + 4 nu^2). Guyan's mass of a twisted bar is
+that of the linear bar element, with frequencies sqrt(6 (1 - cos t)/(2 + cos t)) c/(2 pi h), t = n pi h/L,
+in elements of length h.
+
+Shaft: four throws with cranks at 0, 180, 180, 0 degrees in bearings that hold the main journals' centers
+laterally. The reference is the same mesh's superelement with natural modes to 8000 Hz and corrections;
+modes above 6000 Hz change frequencies up to 800 Hz by 1e-9.
 """
 
 import numpy as np

@@ -1,8 +1,9 @@
 """Critical speeds and causes of peaks of three engines of our own.
 
-Source: the dynamic stiffness of the chain's matrices, solved with numpy alone at very many speeds. Critical
-speeds must be the peaks within 0.2 % of the speed and 1 % of the amplitude. The orders' parts are checked by
-their sum over the shaft angle.
+Source: dynamic stiffness of the chains' matrices, numpy alone, at very many speeds.
+
+Tolerance: 0.2 % of the speed, 1 % of the amplitude, by the step of speeds; the orders' parts by their sum
+over the shaft angle.
 """
 
 from pathlib import Path

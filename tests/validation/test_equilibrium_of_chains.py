@@ -1,13 +1,15 @@
 """Equilibrium of every body of the chains of all engines here, and the axial force of throws.
 
-Source: Newton's second law. Nothing pulls at a crankpin along the shaft, so the force through a throw is what
-accelerates all masses between it and the free end, m w^2 x of each order, besides what damps them. In torsion
-gas and inertia torques of the throws act too. Amplitudes of 6ChN 25/34, 7.2 to 68.0 kN, are these sums of the
-motion at running speeds, without the forces of damping.
+Source: Newton's second law body by body, for every body of all engines here: the force through a throw
+accelerates all masses up to the free end.
 
-Tolerances: round-off of the solution by modes, 1e-9 of the largest spring force. The damping of the modes,
-magnifier 40, acts on all masses with up to 0.3 % of the largest force at resonance, bound 0.5 %; misfiring
-looks for its speeds itself, 0.1 %. Known values are printed to 0.1 kN; speeds miss the peak by 0.1 %: 0.2 kN.
+Tolerance: 1e-9 of the largest spring force, round-off; 0.5 % where modal damping acts on all masses (0.3
+%); values printed to 0.1 kN 0.2 kN.
+
+Nothing pulls at a crankpin along the shaft, so that force is m w^2 x of each order, besides what damps
+them. In torsion gas and inertia torques of the throws act too. Amplitudes of 6ChN 25/34, 7.2 to 68.0 kN,
+are these sums of the motion at running speeds, without the forces of damping. The modes' damping has
+magnifier 40; misfiring looks for its speeds itself, 0.1 %; speeds miss the peak by 0.1 %.
 """
 
 from pathlib import Path

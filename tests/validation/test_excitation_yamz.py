@@ -1,12 +1,10 @@
 """Excitation from the printed torque of one throw of the YaMZ-5340.
 
-Source: Yu. P. Makushev, T. A. Polyakova, Harmonic analysis of the torque of the YaMZ-5340 engine,
-Omsk Scientific Bulletin 2024 no. 3 (191), pp. 39-47, doi 10.25206/1813-8225-2024-191-39-47: table 2
-(torque of one throw), section 2.1 (first two harmonics of M_k sin(k x + a_k), k by the cycle).
+Source: Makushev, Polyakova 2024, doi 10.25206/1813-8225-2024-191-39-47: table 2 (torque of one throw),
+section 2.1 (harmonics M_k sin(k x + a_k), k by the cycle).
 
-Tolerances: half a unit of the last printed digit for what is printed; round-off for what follows from
-it: the series through all samples, and the four cylinders in even firing, of which only orders 2, 4 ...
-are left.
+Tolerance: half of the last printed digit; round-off for the series through all samples and for four
+cylinders in even firing.
 """
 
 from pathlib import Path

@@ -1,13 +1,14 @@
 """Exported meshes and solids, each read by the program that it is for.
 
-Source: CalculiX 2.20 includes the plain .inp; gmsh 4.15 integrates Jacobians over .msh and .med and measures
-the STEP; MEDCoupling 9.15 takes the groups of the .med; VTK 9.7 measures the .vtu and reads the .stl; meshio
-5.3 reads the .inp. References are our own mesh: its volume by quadrature, areas of its surfaces by flat or
-curved triangles, whichever the program measures, and e_n of the same mesh by the 12 x 12.
+Source: CalculiX 2.20 solves the plain .inp, gmsh 4.15 integrates .msh and .med and measures the STEP,
+MEDCoupling 9.15 the .med, VTK 9.7 the .vtu and .stl, meshio 5.3 the .inp; references are crankfem's own
+mesh and its 12 x 12.
 
-Tolerance: volumes and areas of the same polynomials or triangles, 1e-9; VTK keeps an .stl in single
-precision, 1e-6. CalculiX prints 7 digits and solves by itself, 1e-5. The kernel's solid, 1e-6. A wrong order
-of the edge nodes moves a volume by percents, a wrong face number of an element the reaction to a pressure.
+Tolerance: 1e-9, the same polynomials or triangles; 1e-6 for single precision (.stl) and the kernel's solid;
+1e-5 for CalculiX's 7 digits.
+
+A wrong order of the edge nodes moves a volume by percents, a wrong face number of an element the reaction
+to a pressure.
 """
 
 import re

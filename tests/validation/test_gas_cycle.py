@@ -1,12 +1,13 @@
 """The cycle model of the gas pressure.
 
-Sources: ideal cycles of a gas with constant heat capacities, as in J. B. Heywood, Internal Combustion Engine
-Fundamentals: isentropic compression p V^g = const; the constant-volume (Otto) cycle with the work ratio
-1 - r^(1 - g); the constant-volume rise of pressure (g - 1) Q / V. Volume of a slider-crank:
-V = V_c + A (R + L - R cos a - sqrt(L^2 - R^2 sin^2 a)). The factor 6.908 of Wiebe's law is -ln(1 - 0.999).
+Source: ideal cycles (J. B. Heywood, Internal Combustion Engine Fundamentals): p V^g = const, Otto's work
+ratio 1 - r^(1 - g), rise of pressure (g - 1) Q / V; Wiebe's 6.908 = -ln(1 - 0.999).
 
-Tolerances: round-off where the closed form is that of the model. A short combustion at the top falls short
-of the constant-volume one by V / V_c - 1 = (r - 1) (1 + R / L) a^2 / 4, tested to a hundredth.
+Tolerance: round-off where the model is the closed form; a short combustion's shortfall (r - 1) (1 + R / L)
+a^2 / 4 to a hundredth.
+
+Volume of a slider-crank: V = V_c + A (R + L - R cos a - sqrt(L^2 - R^2 sin^2 a)). The shortfall against
+combustion at constant volume is V / V_c - 1.
 """
 
 from dataclasses import replace

@@ -1,10 +1,11 @@
 """The elastic hinge with a given gas force, and the surface of its rollers.
 
-Source: A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov i uglevodorodnogo syr'ya 2024
-no. 1-2, pp. 50-55, doi 10.24412/0131-4270-2024-1-2-50-55: equations (5) and (8) for any gas force, figure 4
-for the path of the rollers' centers, whose parallel curve the paper leaves to the maker. The slider-crank is
-written down here once more. A table every 2 deg of a smooth law is met by its spline to 1e-6 of the force;
-distances of the surface from the path are found by search, to 1e-9 m.
+Source: Zotov and Imaeva 2024, doi 10.24412/0131-4270-2024-1-2-50-55: equations (5), (8), figure 4 (path of
+the rollers' centers); slider-crank by hand, distances by search.
+
+Tolerance: 1e-6 of the force, a spline through a table every 2 deg; surface 1e-9 m.
+
+The equations hold for any gas force; the paper leaves the path's parallel curve to the maker.
 """
 
 from dataclasses import replace

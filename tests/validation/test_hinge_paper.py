@@ -1,20 +1,20 @@
 """The elastic hinge of a two-stroke crosshead engine.
 
-Source: A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov i uglevodorodnogo syr'ya 2024
-no. 1-2, pp. 50-55, doi 10.24412/0131-4270-2024-1-2-50-55: equations (1) to (14), data of figures 3 and 4.
+Source: A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov 2024 no. 1-2, pp. 50-55, doi
+10.24412/0131-4270-2024-1-2-50-55: equations (1) to (14), figures 3 and 4; the one resulting number printed
+is 9.75 MPa for 142 1/min.
 
-The paper prints one resulting number: the pressure of 9.75 MPa (1.95 times 5 MPa) at which the guides made
-for 89 1/min suit 142 1/min. Gas forces, moments and guides are only drawn; those here come from a cycle model
-with assumed pressures (data/hinges/crosshead-30-100.toml). Tested are the corrected equations and these
-statements:
+Tolerance: 1e-9 where the paper's statement is exact; figures of three digits are records of this program.
+
+That is 1.95 times the 5 MPa at which the guides are made for 89 1/min. Gas forces, moments and guides are
+only drawn; those here come from a cycle model with assumed pressures (data/hinges/crosshead-30-100.toml).
+Tested are the corrected equations and these statements:
 
 - the hinge moment has the integral zero over a revolution;
 - a hinge made for a speed makes it constant;
 - the larger H and p_0, the closer the guides are to a circle;
 - the moment is proportional to the start pressure;
 - other start pressures adapt the guides to other speeds "practically": not with the forces here.
-
-Tolerances: 1e-9 where the statement is exact; figures of three digits are records of this program.
 """
 
 import numpy as np

@@ -1,17 +1,16 @@
 """Balance of well-known engines.
 
-Source: one cylinder with crank radius R, lambda = R/L and reciprocating mass m has the inertia force
-m R w^2 (cos a + A_2 cos 2a + A_4 cos 4a + ...) along its axis,
+Source: binomial series of the slider-crank, m R w^2 (cos a + A_2 cos 2a + ...), A_2 = lambda + lambda^3/4 +
+...; sums over cranks as in handbooks (Bosch's Automotive Handbook).
+
+Tolerance: 1e-12, the series ends below 1e-17; printed numbers to half of their last digit.
+
+One cylinder has crank radius R, lambda = R/L and reciprocating mass m; the force along its axis has
 
     A_2k = (2k)^2 (2/lambda) (-1)^k sum over n >= k of C(1/2, n) (-lambda^2/4)^n C(2n, n-k),
 
-from the binomial series; its first terms are A_2 = lambda + lambda^3/4 + 15 lambda^5/128 and
-A_4 = -(lambda^3/4 + 3 lambda^5/16). Sums of exp(i k angle) over the cranks give the engine's resultants, as
-in handbooks (free forces and moments in Bosch's Automotive Handbook), with h_k = m R w^2 A_k and cylinder
-pitch a.
-
-Tolerances: the series ends below 1e-17: 1e-12 of the value. Numbers printed with three digits after the
-point are met to half of the last one.
+with A_4 = -(lambda^3/4 + 3 lambda^5/16) and A_2 = lambda + lambda^3/4 + 15 lambda^5/128 as first terms.
+Resultants are sums of exp(i k angle) over the cranks, with h_k = m R w^2 A_k and cylinder pitch a.
 """
 
 import math

@@ -1,12 +1,11 @@
 """Ordinary least squares, and Longley's data.
 
-Sources: Longley (J. W. Longley, Journal of the American Statistical Association 62, 1967, pp. 819-841) with
-certified values of the NIST Statistical Reference Datasets (Longley.dat, 15 digits); stack loss (Brownlee,
-Statistical Theory and Methodology, 1965, p. 454); our own study (tests/golden/paper_study.csv), both against
-statsmodels.
+Source: NIST's certified values of Longley's data (Longley.dat, 15 digits; J. Am. Stat. Assoc. 62, 1967,
+819-841); statsmodels on stack loss (Brownlee, Statistical Theory and Methodology, 1965, p. 454) and on a
+study (tests/golden/paper_study.csv).
 
-Tolerance against statsmodels: 1e-10, the agreement of two orthogonal factorizations of coded columns with
-condition numbers below 1e3. Against certified values 1e-9.
+Tolerance: 1e-10 against statsmodels, two orthogonal factorizations with a condition below 1e3; 1e-9 against
+certified values.
 """
 
 import csv

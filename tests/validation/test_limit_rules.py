@@ -1,10 +1,9 @@
 """Limits of classification rules at single speeds.
 
-Source: Korean Register, Rules for the Classification of Steel Ships, RA-05-E, 2025, Part 5,
-Chapter 4 (Torsional vibration of shaftings), 201 (crankshafts), 202 (propulsion shafts: the
-formulas of IACS unified requirement M68), 203 (generator sets) and 206 (barred speed range). The
-numbers below were worked out with a pocket calculator to the digits shown; half of the last digit
-is allowed.
+Source: Korean Register, Rules for Steel Ships, RA-05-E, 2025, Part 5 Chapter 4: 201 (crankshafts), 202
+(shafts: IACS M68), 203 (generator sets), 206 (barred range); worked out by pocket calculator.
+
+Tolerance: half of the last digit shown.
 """
 
 import numpy as np

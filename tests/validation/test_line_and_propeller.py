@@ -1,18 +1,21 @@
 """Crankshafts with a shaft line and propeller, against solids of the same dimensions.
 
+Source: finite elements from the first main bearing to the propeller, corrected for their mesh (0.2 %): line
+in one solid with the crankshaft, or joined by a coupling; Euler's beam; bars by transfer matrices.
+
+Tolerance: coupling 1 %, from mode 3 on 3 %; one solid: torsion 1 %, axial 8 % (the line holds the flywheel
+against tilting, which crankfem leaves out), 3 % with the line's bending added; bars 0.1 %.
+
 Two direct-drive engines, from their engine and chain files. Three throws at 0-120-240 degrees: R 880, D
 500/500, L 180/190, B 920, h 190, fillets 35 mm, 7 m of line of 340 and 410 mm. Two throws at 0-180 degrees,
 with short journals: R 64, D 88/75, L 34/38, B 112, h 22, fillets 4 mm, 1.2 m of line of 50 mm. Bearings: 5e9
 and 1e9 N/m, thrust bearings 1.6e9 and 3e8 N/m. Flywheel and propeller are rigid bodies.
 
-Sources:
-
-- Finite elements from the first main bearing to the propeller, with the rods' masses, the bearings of
-  crankshaft and line, the flywheel on the last journal's end face (`tests/line_plants.py`). The line is one
-  solid with the crankshaft; or a coupling joins both that carries torque and thrust alone, because crankfem's
-  lines do not bend.
-- Euler's beam: the line's bending and its bearings, added to crankfem's matrices.
-- Bars of two diameters with two discs, by transfer matrices of the wave equation, for throws without offset.
+Finite elements include the rods' masses, the bearings of crankshaft and line, the flywheel on the last
+journal's end face (`tests/line_plants.py`). The coupling carries torque and thrust alone, because
+crankfem's lines do not bend. Euler's beam: the line's bending and its bearings, added to crankfem's
+matrices. Bars of two diameters with two discs, by transfer matrices of the wave equation, for throws
+without offset.
 
 The solids' frequencies are corrected for their mesh, as those of test_short_journals.py. Modes 1 to 5 with
 the line in one solid, torsional, axial and bending ones of the line among them [Hz]:

@@ -1,8 +1,11 @@
 """The worst misfiring cylinder of engines of our own.
 
-Source: the combustion of each cylinder in turn is removed by hand: torque is the gas force times the piston's
-travel per angle, its orders are Fourier sums, numpy solves the chain at each speed, and stresses are summed
-over many shaft angles. The worst cylinder by the rule's limit, and its stress, must be the same.
+Source: chains solved with numpy, each cylinder's combustion removed by hand in turn, stresses summed over
+many shaft angles.
+
+Tolerance: 1e-6, angles of the sums; the worst cylinder must be the same.
+
+Torque is the gas force times the piston's travel per angle, its orders are Fourier sums.
 """
 
 from pathlib import Path

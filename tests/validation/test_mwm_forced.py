@@ -1,15 +1,17 @@
 """Forced torsional vibration of the MWM six-cylinder diesel.
 
-Source: Mendes, Meirelles, Zampieri, Proc. IMechE K 222 (2008) 155-178, doi 10.1243/14644193JMBD126:
-inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder, loss factor 0.035 of each shaft, bore
-105, stroke 137, rod 207 mm, firing at 120 deg x (0, 4, 2, 5, 1, 3). Its cylinder pressure is not printed in
-numbers. The torque here is assumed: pressure above the crankcase's of 90 bar exp(-((theta - 12 deg) / 24
-deg)^2) after the firing top, on the piston of a slider-crank of these dimensions, orders 0.5 to 12.
+Source: the chain's equations solved in the test, order by order and by DOP853; engine of Mendes, Meirelles,
+Zampieri, Proc. IMechE K 222 (2008) 155-178, doi 10.1243/14644193JMBD126, with an assumed gas pressure.
 
-Tolerances. Each order is solved here with hysteretic damping: round-off times a condition of at most 1e4, so
-1e-10. Time integration uses viscous damping, c = eta k / w_1, in both. One cycle is integrated with a
-relative tolerance of 1e-9 from the periodic initial state; it agrees within 2e-5, of which 1e-5 is lost
-between 20,000 instants.
+Tolerance: 1e-10, round-off times a condition of 1e4; time integration 2e-5, of which 1e-5 is lost between
+20,000 instants.
+
+The engine: inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder, loss factor 0.035 of
+each shaft, bore 105, stroke 137, rod 207 mm, firing at 120 deg x (0, 4, 2, 5, 1, 3). Its cylinder pressure
+is not printed in numbers. Assumed is a pressure above the crankcase's of 90 bar exp(-((theta - 12 deg) / 24
+deg)^2) after the firing top, on the piston of a slider-crank, orders 0.5 to 12. Each order is solved with
+hysteretic damping; time integration uses viscous damping, c = eta k / w_1, in both, over one cycle from the
+periodic initial state, with a relative tolerance of 1e-9.
 """
 
 import numpy as np

@@ -1,16 +1,18 @@
 """Crankshaft torque of the MWM six-cylinder diesel under its digitized cylinder pressure.
 
-Source: A. S. Mendes, P. S. Meirelles, D. E. Zampieri, Proc. IMechE K 222 (2008) 155-178, doi
-10.1243/14644193JMBD126: the chain (shipped as mwm-six), bore 105, stroke 137, rod 207 mm, 2.521 kg of
-reciprocating mass in each cylinder, firing offsets (0, 4, 2, 5, 1, 3) times 120 deg. Its cylinder pressure is
-digitized in openTorsion, https://github.com/Aalto-Arotor/openTorsion (MIT license), examples/ICE_data,
-commit 88ab7893; the pressure at a speed is the curve times its peak.
+Source: the diesel's pressure as digitized in openTorsion (Aalto-Arotor, examples/ICE_data, commit
+88ab7893); an independent solution with 7,200 points of the cycle; chain of Mendes et al. 2008, doi
+10.1243/14644193JMBD126.
 
-References: an independent solution with 7,200 points of the cycle, linear interpolation of the pressure,
-inertia by the series m r w^2 (cos a + L cos 2a - L^3/4 cos 4a + 9 L^5/128 cos 6a), orders 0.5 to 12: half
-peak-to-peak torque between flywheel and cylinder 6, and the plain sum of all orders, largest at 2165/min.
-openTorsion's own picture shows about 9550 N m at 2175/min; it repeats the end of the cycle, so its orders
-are 0.2 % low. Tolerance: 1 %, for digits of the curve and the cut inertia series.
+Tolerance: 1 %, for digits of the curve and the cut inertia series; openTorsion's own orders are 0.2 % low,
+as it repeats the end of the cycle.
+
+The engine (shipped as mwm-six): bore 105, stroke 137, rod 207 mm, 2.521 kg of reciprocating mass in each
+cylinder, firing offsets (0, 4, 2, 5, 1, 3) times 120 deg. The pressure at a speed is the curve times its
+peak. The independent solution interpolates it linearly and takes the inertia by the series m r w^2 (cos a +
+L cos 2a - L^3/4 cos 4a + 9 L^5/128 cos 6a), orders 0.5 to 12: half peak-to-peak torque between flywheel and
+cylinder 6, and the plain sum of all orders, largest at 2165/min. openTorsion's own picture shows about 9550
+N m at 2175/min.
 """
 
 import numpy as np

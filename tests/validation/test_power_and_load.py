@@ -1,9 +1,12 @@
 """Power of the gas and load over the speed.
 
-Sources: the work of a cylinder by Simpson's rule over the volume of a slider-crank, numpy alone. A propeller
-takes power with the cube of the speed: at half speed a quarter of the mean pressure and an eighth of the
-power. MAN B&W 6S50MC-C: 9480 kW at 127 1/min with a mean effective pressure of 19.0 bar (project guide,
-figure 1.02, layout point L1).
+Source: Simpson's rule over a slider-crank's volume; MAN B&W 6S50MC-C, project guide, figure 1.02, layout
+point L1: 9480 kW at 127 1/min with 19.0 bar; the propeller law.
+
+Tolerance: 1e-5, samples of the cycle; 0.3 % where 19.0 bar is printed with three digits.
+
+A propeller takes power with the cube of the speed: at half speed a quarter of the mean pressure and an
+eighth of the power.
 """
 
 from pathlib import Path

@@ -1,15 +1,14 @@
 """Plants entered as their makers print them.
 
-Sources and tolerances:
+Source: container ship's drive, a class society's printout (repository lidderbus/gearbox-new);
+turbine-generators: IEEE first benchmark, P. Kundur, Power System Stability and Control (1994), figures 15.3
+and 15.5 (HamedNajafi74/MATLAB-SSR).
 
-- Electric drive of a container ship: printout of a classification society's program in the public repository
-  lidderbus/gearbox-new, referred to the motor's speed (shipped chain container-drive). Frequencies within
-  0.06 %: the first is printed to 0.05 %. Stresses of the intermediate shaft by blade order within 0.15 %, by
-  the three numbers that are not printed: loss factor, damping of the propeller proportional to speed, blade
-  torque proportional to the square of speed.
-- Turbine-generators in the public repository HamedNajafi74/MATLAB-SSR, H and stiffness per unit: the first
-  benchmark of the IEEE (shipped chain ieee-first-benchmark); P. Kundur, Power System Stability and Control
-  (1994), figures 15.3, 555 MVA, and 15.5, 191 MVA. Frequencies within 0.001 Hz.
+Tolerance: frequencies 0.06 %, the first is printed to 0.05 %, or 0.001 Hz; stresses 0.15 % by three numbers
+that are not printed.
+
+Shipped as container-drive, referred to the motor's speed, and ieee-first-benchmark. The three numbers: loss
+factor, damping of the propeller proportional to speed, blade torque proportional to the square of speed.
 """
 
 import math

@@ -1,17 +1,10 @@
 """Torsional chains from the literature.
 
-Sources and tolerances:
+Source: MWM six-cylinder diesel, Mendes et al. 2008, doi 10.1243/14644193JMBD126, its frequencies calculated
+independently; Friswell, Penny, Garvey, Lees, Dynamics of Rotating Machines (Cambridge), example 9.7.1, two
+disks, geared rotors, a long hollow shaft.
 
-- MWM six-cylinder diesel without damper: inertias and stiffnesses from A. S. Mendes,
-  P. S. Meirelles, D. E. Zampieri, Proc. IMechE Part K, J. Multi-body Dynamics 2008,
-  doi 10.1243/14644193JMBD126. The frequencies and the first mode shape were calculated from this
-  input independently of this project and rounded to 1e-3 Hz and 1e-4; half of that is allowed.
-- M. I. Friswell, J. E. T. Penny, S. D. Garvey, A. W. Lees, Dynamics of Rotating Machines
-  (Cambridge University Press): example 9.7.1, and a shaft with two disks. Given to 0.01 and
-  0.1 Hz; half of that is allowed.
-- The same book: a motor that drives two rotors, one of them through equal gears, to 0.1 Hz; and a long
-  hollow shaft with an inertia at either end, as 5, 8 and 50 elements of consistent inertia, to
-  1e-4 Hz. Half a digit is allowed.
+Tolerance: half of the last digit given: 1e-3 Hz, the book's 0.01, 0.1 or 1e-4 Hz.
 """
 
 import numpy as np

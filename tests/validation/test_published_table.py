@@ -1,11 +1,12 @@
 """The survey's table of axial compliances, as printed and repaired.
 
-Source: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Ser. Marine Engineering and Technologies, 2021, no. 4,
-pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83, its table and the sentence below it.
+Source: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Marine Engineering and Technologies, 2021 no. 4, pp.
+75-83, doi 10.24143/2073-1574-2021-4-75-83: its table, without dimensions.
 
-The paper gives no dimensions and its columns contradict each other, so the table cannot verify a formula.
-Tested are the transcription (single values, sums of rows), the repaired powers of ten, the contradiction of
-two columns, and the web of the column TsNIIMF in its plain reading.
+Tolerance: digits of the print. The columns contradict each other, so the table cannot verify a formula;
+tested are transcription, repaired powers of ten and the contradiction.
+
+Also the web of the column TsNIIMF in its plain reading.
 """
 
 import math

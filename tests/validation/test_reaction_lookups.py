@@ -1,13 +1,14 @@
 """Reactions from a study's equations, for 50 fresh throws.
 
-Source: finite elements of each throw. The study of 6chn25-34 (web width, web thickness, pin length) is run
-and fitted again; 50 throws are drawn evenly from its box by another seed. Axial reactions are compared with
-lookups and their bands: ends pinned, guided and between neighbors at 120 deg, under a radial force or
-(between neighbors) a tangential one.
+Source: finite elements of 50 throws drawn from the box of the 6chn25-34 study (web width, web thickness,
+pin length), by another seed than its designs.
 
-Tolerance: root mean square error of the axial reaction at most 1.5 %; measured 0.1 to 0.3 %. Bands must hold
-95 of 100 components; for those of equilibrium alone 2e-5 of the load is allowed, the roundness of the mesh's
-pin.
+Tolerance: 1.5 % root mean square of the axial reaction (measured 0.1 to 0.3); bands hold 95 of 100
+components.
+
+The study is run and fitted again. Axial reactions are compared with lookups and their bands: ends pinned,
+guided and between neighbors at 120 deg, under a radial force or (between neighbors) a tangential one. For
+components of equilibrium alone 2e-5 of the load is allowed, the roundness of the mesh's pin.
 """
 
 import numpy as np

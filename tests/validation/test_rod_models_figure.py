@@ -1,14 +1,15 @@
 """Crankpin load by two and by three masses, as in figure 4.
 
-Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF im. adm. S. O. Makarova 10 (2018) no. 1,
-pp. 191-200, doi 10.21821/2309-5180-2018-10-1-191-200, figure 4: (a) ChN 13/14 at the rated load, (b) with a
-shortened rod, motored; static model of two masses (1), dynamic one of three (2). In the text momentary values
-differ by up to 5 to 8 %. Masses, pressures and values of the curves are not printed; those here are the
-shipped engine's, for (b) with a rod of 225 mm and atmospheric intake pressure.
+Source: Yamanin, Zhukov, Baryshnikov 2018, doi 10.21821/2309-5180-2018-10-1-191-200, figure 4: ChN 13/14 (a)
+at rated load, (b) motored; its text: momentary values differ by up to 5 to 8 %. Masses, pressures and
+curves are not printed.
 
-Tolerances: the masses (1) and the forces (9), (10), corrected as in test_rod_models_paper.py, are typed in
-here and agree to round-off, 1e-12 of the largest force. Percentages are held to half of the last digit that
-docs/mechanism.md states.
+Tolerance: round-off of corrected (1), (9), (10), typed into the test; percentages to half of the last digit
+that the mechanism page states.
+
+Static model of two masses (1), dynamic one of three (2). Masses and pressures here are the shipped
+engine's, for (b) with a rod of 225 mm and atmospheric intake pressure. Formulas are corrected as in
+test_rod_models_paper.py.
 """
 
 import numpy as np

@@ -1,15 +1,15 @@
 """Rod models, accelerations and forces, as printed and corrected.
 
-Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF im. adm. S. O. Makarova 10 (2018) no. 1,
-pp. 191-200, doi 10.21821/2309-5180-2018-10-1-191-200: masses (1), inertia force (2), positions (3) and (4),
-accelerations, equilibrium (5) to (12). Engine ChN 13/14 with l_shk 0.097, l_shp 0.168, l_d 0.009 m (R 0.070 m
-from the stroke). Its (x, y) = (n, -s) here; its N = -side, and t, z are -T, -Z without the inertia of the
-mass at the crankpin.
+Source: A. I. Yamanin, V. A. Zhukov, S. O. Baryshnikov, Vestnik GUMRF 10 (2018) no. 1, pp. 191-200, doi
+10.21821/2309-5180-2018-10-1-191-200: equations (1) to (12).
 
-Tolerances: printed formulas are compared with mechanism_forces. Right ones agree to round-off, 1e-12 of the
-largest value. For others the corrected sign or factor is shown, and the size of the difference is held to
-the stated digits. The paper prints neither masses nor pressures; those assumed here set the sizes, not the
-signs.
+Tolerance: 1e-12 of the largest value, round-off, for right formulas; for wrong ones the corrected sign or
+factor, and its effect to the stated digits.
+
+Masses (1), inertia force (2), positions (3) and (4), accelerations, equilibrium (5) to (12). Engine ChN
+13/14 with l_shk 0.097, l_shp 0.168, l_d 0.009 m (R 0.070 m from the stroke). Its (x, y) = (n, -s) here; its
+N = -side, and t, z are -T, -Z without the inertia of the mass at the crankpin. The paper prints neither
+masses nor pressures; those assumed here set the sizes, not the signs.
 """
 
 import math

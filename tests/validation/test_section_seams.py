@@ -1,13 +1,14 @@
 """A uniform shaft cut and joined again by section motions.
 
-Source: the uncut shaft, on the same mesh and with the same (rigid) ends. Two pieces of one diameter's length
-share a section in the middle. In torsion a section turns rigidly, so no choice has a seam; under a pull it
-contracts uniformly, degree 1; in pure bending u_x = nu x y / rho and u_y = nu (y^2 - x^2) / (2 rho) for a
-curvature 1 / rho in the plane of y, degree 2.
+Source: the uncut shaft, same mesh, same rigid ends; two pieces of one diameter's length share a section.
 
-Tolerance: 1e-5 of the compliance where the degree is sufficient; measured 2e-6. A rigid seam stiffens by as
-much as two rigid ends (0.028 diameters each in tension, 0.022 in bending, see `test_straight_shaft`), 2.8 %
-in tension and 2.2 % in bending, within a fifth.
+Tolerance: 1e-5 where the degree is sufficient (tension 1, bending 2; measured 2e-6). A rigid seam stiffens
+by 2.8 % in tension, 2.2 % in bending, within a fifth.
+
+In torsion a section turns rigidly, so no choice has a seam; under a pull it contracts uniformly, degree 1;
+in pure bending u_x = nu x y / rho and u_y = nu (y^2 - x^2) / (2 rho) for a curvature 1 / rho in the plane
+of y, degree 2. A rigid seam is as stiff as two rigid ends (0.028 diameters each in tension, 0.022 in
+bending, see `test_straight_shaft`).
 """
 
 from dataclasses import replace

@@ -1,13 +1,13 @@
 """Slopes over the dimensions of a throw, against differences between throws.
 
-Sources. Axial compliance of R 170, D 220/180, L 120/139, B 300, h 68 mm, fillets 12 mm over the diameter of
-the main journal: differences between throws 2 to 6 % apart, each with meshes of its own, give -0.4569 to
--0.4578.
-Mass of the first throw of an 8ChN 13/14 with both counterweights of 122 mm over their radii: differences of
-the volume of its parts, which are cylinders and prisms.
+Source: differences between throws 2 to 6 % apart, each with its own meshes (R 170, D 220/180, L 120/139, B
+300, h 68 mm): -0.4569 to -0.4578; volume of cylinders and prisms for an 8ChN 13/14's mass.
 
-Tolerances: the error that the program states for each slope, which must not exceed 0.01; of the mass 0.001,
-because facets of curved elements leave out so much of the volume.
+Tolerance: the error that the program states for each slope, at most 0.01; mass 0.001, as facets leave out
+so much volume.
+
+Slopes of the axial compliance over the diameter of the main journal, with fillets of 12 mm; of the mass of
+the first throw of an 8ChN 13/14 with both counterweights of 122 mm over their radii.
 """
 
 import numpy as np

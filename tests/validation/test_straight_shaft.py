@@ -1,17 +1,17 @@
 """Straight shafts, solid and hollow, by the throw's condensation.
 
-Sources: strength of materials of a prismatic shaft of length L: L/(E A) in tension, L/(G J) in torsion,
-L/(E I) and L^2/(2 E I), slope and deflection of the end under a moment there, and Timoshenko's deflection
-L^3/(3 E I) + L/(kappa G A) under a force there, with Cowper's shear coefficient of a tube with the ratio m
-of inner to outer diameter, kappa = 6 (1 + nu) (1 + m^2)^2/[(7 + 6 nu) (1 + m^2)^2 + (20 + 12 nu) m^2]
-(G. R. Cowper, J. Appl. Mech. 33, 1966).
+Source: strength of materials: L/(E A), L/(G J), L/(E I), L^2/(2 E I); Timoshenko's L^3/(3 E I) + L/(kappa G
+A) with G. R. Cowper's coefficient (J. Appl. Mech. 33, 1966).
+
+Tolerance: 0.1 %, deflections 0.2 %; measured up to 0.02 % (mesh), deflections 0.1 % (shear at averaged
+ends). Rigid ends shorten the shaft by 0.022 diameters each in bending, 0.028 in tension.
+
+A tube with the ratio m of inner to outer diameter has kappa = 6 (1 + nu) (1 + m^2)^2/[(7 + 6 nu) (1 +
+m^2)^2 + (20 + 12 nu) m^2].
 
 Averaged end sections carry Saint-Venant's tractions, so the theory holds for any length. Rigid ones prevent
-contraction: the shaft acts as if it were shorter by about 0.022 diameters at each end in bending and 0.028
-in tension. Differences of two lengths are free of this; for a force across it is corrected from the slope.
-
-Tolerances: 0.1 %, of deflections 0.2 %. Measured: up to 0.02 % (the mesh), deflections 0.1 % (shear at
-averaged ends). Wider bounds show the ends' effect itself.
+contraction. Differences of two lengths are free of this; for a force across it is corrected from the slope.
+Wider bounds show the ends' effect itself.
 """
 
 from dataclasses import dataclass

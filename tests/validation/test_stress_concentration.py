@@ -1,18 +1,17 @@
 """Stress concentrations by the throw's elements.
 
-Sources and tolerances:
+Source: H. Neuber, Theory of Notch Stresses (1958); W. D. Pilkey, Peterson's Stress Concentration Factors,
+2nd ed., charts 3.10 and 3.12; S. M. Tipton et al., J. Mech. Des. 118 (1996) 321-327, in tension (Peterson
+is 10 % low).
 
-- Neuber's closed form of a round bar with a deep hyperbolic notch (H. Neuber, Theory of Notch Stresses,
-  2nd ed., Springer 1958; W. D. Pilkey, Peterson's Stress Concentration Factors, 2nd ed., chapter 2): 1.5 %,
-  of which the mesh takes 1 % and the end at 2.5 neck radii 0.5 %.
-- Peterson's polynomials for a stepped round bar with shoulder fillet in bending and torsion (Pilkey,
-  charts 3.10 and 3.12; W. C. Young, Roark's Formulas, table 17.1): 3 %, as they are fitted to photoelastic
-  measurements and drawn curves.
-- In tension the equation of S. M. Tipton, J. R. Sorem and R. D. Rolovic (J. Mech. Des. 118, 321-327, 1996),
-  fitted to finite elements: 3 %. Peterson's curve is some 10 % low.
-- Sixteen elements across the shoulder fillet instead of eight (UR M53 requires 6.3): less than 2 %.
-- Resultants of stresses over a section equal the applied loads: 1.2 %, with elements of 12 mm on 180 mm.
-- Beam stresses, far from fillets and ends: 1.5 %.
+Tolerance: notch 1.5 % (mesh 1 %, end at 2.5 radii 0.5 %); fillets 3 %, fitted to measurements; twice as
+fine 2 %; resultants 1.2 %.
+
+Peterson's polynomials: also W. C. Young, Roark's Formulas, table 17.1; fitted to photoelastic measurements
+and drawn curves. Neuber's closed form: a round bar with a deep hyperbolic notch. Twice as fine: sixteen
+elements across the shoulder fillet instead of eight (UR M53 requires 6.3). Resultants of stresses over a
+section equal the applied loads, with elements of 12 mm on 180 mm. Beam stresses, far from fillets and ends:
+1.5 %.
 """
 
 import math

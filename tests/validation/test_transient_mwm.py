@@ -1,12 +1,14 @@
 """Time integration of the MWM diesel's vibration.
 
-Source of the engine: Mendes, Meirelles, Zampieri 2008, doi 10.1243/14644193JMBD126, six-cylinder MWM diesel:
-inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder (nodes 3 to 8), loss factor 0.035 of
-every shaft, firing offsets (0, 4, 2, 5, 1, 3) times 120 deg. The torque is stated in `torque`. The harmonic
-solution uses the same viscous damping as the integration.
+Source: scipy's DOP853, quadrature of Duhamel's integral and the harmonic solution; engine of Mendes et al.
+2008, doi 10.1243/14644193JMBD126.
 
-Tolerances. Steps are exact for polynomial forces: 1e-9 of the largest order. The independent integrator
-(DOP853 with a relative tolerance of 1e-10) and the quadrature of Duhamel's integral set the others.
+Tolerance: 1e-9 of the largest order, as steps are exact for polynomial forces; DOP853 (relative tolerance
+1e-10) and the quadrature set the others.
+
+The engine: inertias, stiffnesses, absolute damping of 2 N m s/rad at each cylinder (nodes 3 to 8), loss
+factor 0.035 of every shaft, firing offsets (0, 4, 2, 5, 1, 3) times 120 deg. The torque is stated in
+`torque`. The harmonic solution uses the same viscous damping as the integration.
 """
 
 import math

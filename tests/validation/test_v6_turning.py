@@ -1,14 +1,18 @@
 """A freely turning V6.
 
+Source: Modelica Standard Library 4.0.0, EngineV6_analytic, reference trajectory of the Modelica Association
+(Dymola 2020x, DASSL); Lagrange's equations by energy, written without the code under test.
+
+Tolerance: 1e-5, of which DASSL's tolerance uses 5e-6; 1e-9 of both integrations against Lagrange.
+
 Engine: Modelica.Mechanics.MultiBody.Examples.Loops.EngineV6_analytic of the Modelica Standard Library 4.0.0:
 crank radius 50 mm, rods 175 mm of 1 kg and 0.006 kg m^2 with the center of mass in the middle, pistons 6 kg,
 bore 100 mm, banks at -30 and 30 deg, cranks at -30, 90, 210, 210, 90 and -30 deg, crankshaft 0.1 kg m^2, load
 1 kg m^2 and a torque of 100 N m (w / 200 rad/s)^2; gravity. The gas force is a function of the piston's
 position in a cylinder of 195 mm and of its direction. Start: angle 0, 10 rad/s.
 
-Source: reference trajectory of the Modelica Association (MAP-LIB_ReferenceResults, branch of version 4.0.0,
-EngineV6_analytic.csv, Dymola 2020x with DASSL, relative tolerance 1e-6). The torque at the start agrees to
-the 15 digits printed. Later DASSL's tolerance remains: at most 5e-6 of angle and speed; 1e-5 allowed.
+The trajectory is in MAP-LIB_ReferenceResults, branch of version 4.0.0, EngineV6_analytic.csv, relative
+tolerance 1e-6. The torque at the start agrees to the 15 digits printed.
 
 The second reference shares nothing with the code under test: positions by Pythagoras' theorem, kinetic
 energy and its derivative by differences of fourth order, integrated stroke by stroke to 1e-12. Both

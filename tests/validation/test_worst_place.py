@@ -1,7 +1,9 @@
 """The worst place of a verdict is the worst there is at running speeds, and its cause is of that place.
 
-Source: an in-line eight of our own making, whose stress above the running range is largest in another
-element than at running speeds; the largest of all elements is looked for in the stresses themselves.
+Source: the largest stress of all elements and speeds of an in-line eight made for this: above the running
+range another element is worst.
+
+Tolerance: round-off.
 """
 
 from pathlib import Path

@@ -1,11 +1,10 @@
 """Torque harmonics and two-mass resonance of the YaMZ-5340 diesel.
 
-Source: Yu. P. Makushev, T. A. Polyakova, Harmonic analysis of the torque of the YaMZ-5340 engine,
-Omsk Scientific Bulletin 2024 no. 3 (191), pp. 39-47, doi 10.25206/1813-8225-2024-191-39-47:
-table 2 (torque of one throw), sections 2.1 and 2.2 (harmonics; figures 2 and 3), section 3 (resonance).
+Source: Yu. P. Makushev, T. A. Polyakova, Omsk Scientific Bulletin 2024 no. 3, pp. 39-47, doi
+10.25206/1813-8225-2024-191-39-47: table 2, sections 2.1, 2.2 and 3, figures 2 and 3.
 
-Tolerances: half a unit of the last printed digit. Where exact arithmetic on the paper's own input
-differs from the print, the figure is the exact one and the comment gives the printed one.
+Tolerance: half of the last printed digit; where exact arithmetic on the paper's input differs from the
+print, the exact figure counts.
 """
 
 from pathlib import Path
