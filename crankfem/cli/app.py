@@ -1,101 +1,103 @@
 """The command line: every command with examples, in groups by what it is for."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperGroup
 
 from crankbase.errors import InputError
 from crankbase.quantity import split_quantity
 from crankfem.cli import console
-from crankfem.cli.commands.doe import designs, doe, import_, plan, results, verify
-from crankfem.cli.commands.fit import fit
-from crankfem.cli.commands.formulas import formulas
-from crankfem.cli.commands.hinge import hinge
-from crankfem.cli.commands.input_files import check, fields, new
-from crankfem.cli.commands.lookup import lookup, optimum
-from crankfem.cli.commands.mechanism import harmonics, mechanism, two_mass
-from crankfem.cli.commands.run import class_, report, run
-from crankfem.cli.commands.serve import serve
-from crankfem.cli.commands.throw import draw, export, stress, throw
-from crankfem.cli.commands.vibration import vibration
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS
 
 # The base of typer's errors about wrong options and arguments; it has no public name.
 USAGE_ERROR: Any = typer.BadParameter.__mro__[2]
 
 
-# Commands by group, with examples that work in an empty folder or on files made before.
-COMMANDS: dict[str, dict[Callable[..., Any], tuple[str, ...]]] = {
+# Commands by group, as module of `crankfem.cli.commands` and function, with examples that work in an empty
+# folder or on files made before.
+COMMANDS: dict[str, dict[str, tuple[str, ...]]] = {
     "Main job": {
-        run: ("run 6chn25-34", "run mine.toml --output results --strict"),
-        report: ("report mine-results",),
-        serve: ("serve", "serve --models models --port 8000"),
+        "run:run": ("run 6chn25-34", "run mine.toml --output results --strict"),
+        "run:report": ("report mine-results",),
+        "serve:serve": ("serve", "serve --models models --port 8000"),
     },
     "Files": {
-        new: (
+        "input_files:new": (
             "new mine.toml",
             "new mine.toml --cylinders 12 --v-angle even --drawing throw.svg",
             "new mine.toml --from vw-tdi",
             "new --list",
         ),
-        check: ("check mine.toml", "check 6chn25-34 --picture throw.svg"),
-        fields: ("fields throw",),
+        "input_files:check": ("check mine.toml", "check 6chn25-34 --picture throw.svg"),
+        "input_files:fields": ("fields throw",),
     },
     "Throw": {
-        throw: (
+        "throw:throw": (
             'throw 6chn25-34 --gamma "120 deg" --pin-force "100 kN"',
             "throw part.step --pin pin",
             "throw mine.toml --json",
         ),
-        stress: ("stress 6chn25-34 --pictures stresses",),
-        draw: ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png"),
-        export: ("export 6chn25-34 throw.step", "export 6chn25-34 throw.inp --calculix"),
+        "throw:stress": ("stress 6chn25-34 --pictures stresses",),
+        "throw:draw": ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png"),
+        "throw:export": ("export 6chn25-34 throw.step", "export 6chn25-34 throw.inp --calculix"),
     },
     "Compliance": {
-        formulas: (
+        "formulas:formulas": (
             'formulas 6chn25-34 --gamma "120 deg"',
             "formulas --all",
             "formulas --published",
         ),
-        plan: ("plan 6chn25-34",),
-        doe: (
+        "doe:plan": ("plan 6chn25-34",),
+        "doe:doe": (
             "doe 6chn25-34 --store runs.sqlite --workers 2",
             "doe 6chn25-34 --store runs.sqlite --more 10",
         ),
-        designs: ("designs 6chn25-34 designs --mesh step",),
-        import_: ("import study.toml bench.csv", "import study.toml results.csv --alone"),
-        results: ("results runs.sqlite runs.csv",),
-        verify: ("verify runs.sqlite",),
-        fit: ("fit runs.sqlite --model model.json",),
-        lookup: (
+        "doe:designs": ("designs 6chn25-34 designs --mesh step",),
+        "doe:import_": ("import study.toml bench.csv", "import study.toml results.csv --alone"),
+        "doe:results": ("results runs.sqlite runs.csv",),
+        "doe:verify": ("verify runs.sqlite",),
+        "fit:fit": ("fit runs.sqlite --model model.json",),
+        "lookup:lookup": (
             "lookup model.json web_width=300mm web_thickness=68mm pin_length=139mm",
             'lookup model.json --throw 6chn25-34 --gamma "120 deg"',
         ),
-        optimum: (
+        "lookup:optimum": (
             "optimum model.json --minimize web_thickness --limit 'axial_compliance <= 1.2e-9 m/N'",
         ),
     },
     "Forces": {
-        mechanism: (
+        "mechanism:mechanism": (
             "mechanism 8chn13-14 --pictures loads",
             'mechanism 8chn13-14 --speed "1500 1/min"',
         ),
-        harmonics: ("harmonics 8chn26-26", "harmonics yamz5340_torque_one_throw.csv --orders 4"),
-        hinge: ("hinge crosshead-30-100 --pictures hinge",),
+        "mechanism:harmonics": (
+            "harmonics 8chn26-26",
+            "harmonics yamz5340_torque_one_throw.csv --orders 4",
+        ),
+        "hinge:hinge": ("hinge crosshead-30-100 --pictures hinge",),
     },
     "Vibration": {
-        vibration: (
+        "vibration:vibration": (
             "vibration 6chn25-34",
             'vibration 6chn25-34 --units "in, lbf, ksi"',
             "vibration mine.toml --strict --csv amplitudes",
             "vibration mwm-six",
         ),
-        class_: ("class 5rt-flex50d --output submission",),
-        two_mass: ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5"),
+        "run:class_": ("class 5rt-flex50d --output submission",),
+        "mechanism:two_mass": ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5"),
     },
+}
+
+# Group, place and examples of each command; some have the name of what Python keeps for itself.
+PLACES = {
+    place.partition(":")[2].strip("_").replace("_", "-"): (group, place, examples)
+    for group, commands in COMMANDS.items()
+    for place, examples in commands.items()
 }
 
 # What typer says of a wrong option, in words for people.
@@ -105,14 +107,66 @@ TYPERS_WORDS = {
     "extra argument(s)": "extra argument",
 }
 
+LOOK: dict[str, Any] = {"pretty_exceptions_enable": False, "rich_markup_mode": "rich"}
 EXIT_CODES = "; ".join(f"{code} {words}" for code, words in MEANINGS.items())
 
+
+class OptionsOnce(TyperCommand):
+    """A command that refuses an option of one value given twice, since only the last would count."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the command line."""
+        end = args.index("--") if "--" in args else len(args)
+        names = [argument.partition("=")[0] for argument in args[:end]]
+        for option in self.params:
+            repeats = getattr(option, "multiple", True) or getattr(option, "is_flag", True)
+            if not repeats and sum(name in option.opts for name in names) > 1:
+                raise InputError(f"{option.opts[0]}: given more than once; give it once.")
+        return super().parse_args(ctx, args)
+
+
+@cache
+def _command(name: str) -> Any:
+    group, place, examples = PLACES[name]
+    module, _, function = place.partition(":")
+    # Brackets and the like in examples are text, not markup.
+    lines = (f"crankfem {example}".replace("[", r"\[") for example in examples)
+    epilog = "Example: " + "\n\n".join(lines)
+    alone = typer.Typer(add_completion=False, **LOOK)
+    command = getattr(import_module(f"crankfem.cli.commands.{module}"), function)
+    alone.command(name, cls=OptionsOnce, epilog=epilog, rich_help_panel=group)(command)
+    return typer.main.get_command(alone)
+
+
+class LoadedOnDemand(Mapping[str, Any]):
+    """The commands by name: the modules of the others are not loaded for one, but for the help on all."""
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a command."""
+        return _command(name)
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        return iter(PLACES)
+
+    def __len__(self) -> int:
+        """Count the commands."""
+        return len(PLACES)
+
+
+class Commands(TyperGroup):
+    """All commands."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings | {"commands": LoadedOnDemand()})
+
+
 app = typer.Typer(
+    cls=Commands,
     help="Axial and torsional vibration of crankshafts, from crank-throw dimensions to a verdict.",
     epilog="Begin with: crankfem new mine.toml, then crankfem run mine.toml. Results go to standard output, "
     f"progress and errors to standard error.\n\nExit codes: {EXIT_CODES}.",
-    pretty_exceptions_enable=False,
-    rich_markup_mode="rich",
+    **LOOK,
 )
 
 
@@ -134,30 +188,6 @@ def _crankfem(
     if context.invoked_subcommand is None:
         context.get_help()  # prints it
         raise typer.Exit(EXIT_INPUT)
-
-
-class OptionsOnce(TyperCommand):
-    """A command that refuses an option of one value given twice, since only the last would count."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read the command line."""
-        end = args.index("--") if "--" in args else len(args)
-        names = [argument.partition("=")[0] for argument in args[:end]]
-        for option in self.params:
-            repeats = getattr(option, "multiple", True) or getattr(option, "is_flag", True)
-            if not repeats and sum(name in option.opts for name in names) > 1:
-                raise InputError(f"{option.opts[0]}: given more than once; give it once.")
-        return super().parse_args(ctx, args)
-
-
-for group, commands in COMMANDS.items():
-    for command, examples in commands.items():
-        # One command has the name of what Python keeps for itself.
-        called = command.__name__.strip("_").replace("_", "-")
-        # Brackets and the like in examples are text, not markup.
-        lines = (f"crankfem {example}".replace("[", r"\[") for example in examples)
-        epilog = "Example: " + "\n\n".join(lines)
-        app.command(called, cls=OptionsOnce, epilog=epilog, rich_help_panel=group)(command)
 
 
 def main() -> None:
