@@ -41,7 +41,6 @@ _METRIC = {
     "J": ("joule", "M k m"),
     "W": ("watt", "M k"),
     "s": ("second", "m u"),
-    "VA": ("volt_ampere", "M k"),
     "Hz": ("hertz", "k"),
     "rad": ("radian", "m u"),
 }
@@ -192,6 +191,7 @@ _AMBIGUOUS = {
     "kgs": "write kg (mass) or kgf (force), whichever is meant",
     "кгсм": "write кгс м or кгс см, whichever is meant",
     "BTDC ATDC bTDC aTDC btdc atdc": "write deg, with the sign that the meaning of the field says",
+    "VA kVA MVA": "write the power in kW, which is that in kVA times the power factor",
     "GD2 WR2 WK2": "write a moment of inertia in kg m^2, which is G D^2 / 4",
 }
 # Signs of units that are in use for others, too.
@@ -199,13 +199,13 @@ _MARKS = {'"': "in", "''": "in", "″": "in", "'": "ft or arcmin", "′": "ft or
 # Whole units with points in them.
 _ABBREVIATED = {"r.p.m": "rpm", "л.с": "PS", "лс": "PS"}
 
-_PRESSURE = r"((?:m?bar|бар|psi|[kM]?Pa|[кМ]?Па|atm?|атм?|(?:kgf?|kp|кгс?)/[cс][mм]\^?2))"
+_PRESSURE = r"((?:m?bar|бар|psi|[hkM]?Pa|[кМ]?Па|atm?|атм?|(?:kgf?|kp|кгс?)/[cс][mм]\^?2))"
 _ABSOLUTE = re.compile(rf"{_PRESSURE}[\s_]*[(\[]?\s*(?:a|A|abs|Abs|ABS|absolute|абс)\.?\s*[)\]]?")
 _GAUGE = re.compile(
     rf"{_PRESSURE}[\s_]*[(\[]?\s*(?:g|G|ga|gauge|Gauge|ü|Ü|u|e|rel|изб|и)\.?\s*[)\]]?"
 )
 # Letters that stand for a turn in front of a time alone.
-_TURN = re.compile(r"^(?:r|U|c|tr|obr)(?=\s*/|\s+(?:min|s)\s?-1)")
+_TURN = re.compile(r"^(?:r|U|c|tr|obr)(?=\s*/|[\s*]+(?:min|s)\s?-1)")
 # The degree of crank angle is one of turning.
 _CRANK_ANGLE = re.compile(r"(?:°|degs?|degrees?)\s*(?:CA|CRA|KW|ПКВ|п\.\s?к\.\s?в)|CAD")
 
@@ -228,9 +228,11 @@ _DEGREE = re.compile(r"(?:°|\bdeg(?:rees?|\.)?\s)\s*([CFKСК])\b")
 _NUMBER = r"[+-]?(?!0\d)(?:\d+\.?\d*|\.\d+)"
 _EXPONENT = rf"(?:\*\*\s*(?:(?P<power>{_NUMBER})|\(\s*(?P<root>{_NUMBER})\s*(?:/\s*\d+\s*)?\)))?"
 _FACTOR = re.compile(rf"(?<![\w.])(?P<name>[^\W\d]\w*)\s*{_EXPONENT}")
-_BRACKET = re.compile(rf"\(\s*1\s*(?:[*/]\s*1\s*)*\)\s*{_EXPONENT}")
+# Names and brackets are "x" once they are checked; a one stands before a stroke alone: "10 1 mm" is no 10 mm.
+_INVERSE = r"(?:1(?:\.0*)?\s*/\s*)?x\s*"
+_BRACKET = re.compile(rf"\(\s*{_INVERSE}(?:[*/]\s*{_INVERSE})*\)\s*{_EXPONENT}")
 _SPACE = re.compile(r"(?<=[\w.)])\s+(?=[\w.(])")
-_PRODUCT = re.compile(r"\s*(?:1(?:\.0*)?\s*(?:[*/]\s*1(?:\.0*)?\s*)*)?")
+_PRODUCT = re.compile(rf"\s*(?:{_INVERSE}(?:[*/]\s*{_INVERSE})*)?")
 
 
 class NoUnitError(ValueError):
@@ -360,7 +362,7 @@ def _checked(text: str, weights: bool) -> str:
         if power == 0.0:
             raise NoUnitError("a unit to the power of zero is none")
         powers *= max(1.0, power)
-        return "1"
+        return "x"
 
     def replaced(match: re.Match[str]) -> str:
         name = match["name"]

@@ -120,7 +120,7 @@ SPELLINGS = {
         1e3: "kPa | кПа | kilopascal | kN/m2 | kPa(a) | kPa abs | kPaA",
         1e6: "MPa | МПа | megapascal | N/mm2 | N/mm^2 | N/mm² | Н/мм² | MN/m² | MPa(abs) | MPaA | J/cm3",
         1e9: "GPa | ГПа | kN/mm2 | kN/mm² | gigapascal",
-        1e2: "hPa | mbar | mbar(a)",
+        1e2: "hPa | mbar | mbar(a) | hPa(a) | hPa abs",
         1e5: "bar | бар | bara | bar(a) | bar a | bar abs | bar(abs) | bar absolute | bar_a | bar A",
         AT: "at | ат | ata | ата | kgf/cm2 | kgf/cm² | kp/cm2 | kp/cm² | kg/cm2 | kg/cm²"
         " | кгс/см² | кгс/см2 | кГ/см²"
@@ -135,9 +135,9 @@ SPELLINGS = {
         LBF / FT**2: "lbf/ft2 | lb/ft2",
     },
     "W": {
-        1: "W | Вт | watt | watts | J/s | N m/s | Nm/s | VA",
-        1e3: "kW | кВт | kilowatt | kJ/s | kN m/s | kVA | kNm/s",
-        1e6: "MW | МВт | megawatt | MVA",
+        1: "W | Вт | watt | watts | J/s | N m/s | Nm/s",
+        1e3: "kW | кВт | kilowatt | kJ/s | kN m/s | kNm/s",
+        1e6: "MW | МВт | megawatt",
         75 * G: "PS | CV | л.с. | л.с | лс",
         550 * FT * LBF: "hp",
         FT * LBF: "ft lbf/s | ft-lb/s | lbf ft/s",
@@ -286,6 +286,7 @@ REFUSED = """
     ton tons kt kgs bhp shp mhp ihp grad Grad град grads кгсм T S Mm mPa mW NM KN KW Kg Mpa KPa HZ hz
     Mhz KNm kNM Kgm2 bar(g) barg bar_g barü bar(ü) bar_gauge BAR psig psi(g) psi_g atü atu ати kgf/cm2_g
     kg/cm2(g) kPa(g) kPag MPaG MPa(g) % ‰ ppm dB ' " ″ ′ # $ € ? m^0 kg^0 mmm xyz furlong smoot parsek
+    VA kVA MVA 1_mm 1.0_mm mm_1 mm/1 1/1_mm 1_1/min 1_N 1_kg 1_N_m/rad
     ohm A V mol cd eV Bq baud bit nan inf e5 x 2m kgf_m2 kgf·m² kp_m2 kpm2 кгс·м² Nm2 N_m2 GD2 lbf_ft2
     BTDC deg_BTDC deg_ATDC N_m/rad/s N/m/s rad/N_m N_m_min N_m/(1/min) N_m/Hz rad^2 deg2/s 1/min^2
     rad/s2 mm²/s Nm/rad2 m//s m/ (m ** °C/s N_m/degC K/W degC_m 1/K -1 +mm mm-mm2- 10^3_N ·10³_Nm e

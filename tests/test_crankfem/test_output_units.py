@@ -72,7 +72,7 @@ def test_quantities_in_sentences():
         ("parsek", "given 'parsek', which is no unit; allowed are units with commas between"),
         ("in, mm", "given 'in' and 'mm', which are units of one kind"),
         ("in,, lbf", "given '', which is no unit"),
-        ("VA kg", "given 'VA kg', of a kind that is never printed"),
+        ("W kg", "given 'W kg', of a kind that is never printed"),
         ("ton", "given 'ton'; write t (1000 kg)"),
         ("degC", "given 'degC', of a kind that is never printed"),
         ("1e3 in", "given '1e3 in', which is no unit"),
