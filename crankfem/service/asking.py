@@ -6,9 +6,9 @@ Quantities are numbers in SI units or texts with units, as ``0.17`` or ``"170 mm
 import re
 from collections.abc import Mapping
 from http import HTTPStatus
-from typing import Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 from pydantic_core import from_json, to_json
 from starlette.requests import Request
 from starlette.responses import Response
@@ -17,6 +17,7 @@ from starlette.routing import Match
 from crankbase.choices import is_number
 from crankbase.errors import InputError, first_sentences
 from crankbase.model import InputModel, field_extra, part_kind, quantity_field
+from crankbase.quantity import parse_quantity
 from fem.material import STEEL, Material
 from fem.supports import Neighbors, Support
 from geometry.throw import CrankThrow
@@ -98,7 +99,24 @@ async def answer_fault(_: Request, error: Exception) -> Response:
 
 
 Asked = TypeVar("Asked", bound=InputModel)
-Pin = tuple[float, float, float]
+
+
+def _newtons(given: object) -> object:
+    """Read a force with its unit; what is no text is left to the field."""
+    if not isinstance(given, str):
+        return given
+    try:
+        return parse_quantity(given, "N", "")
+    except InputError as error:
+        raise ValueError(str(error).removeprefix(": ")) from None
+
+
+Force = Annotated[
+    float,
+    BeforeValidator(_newtons),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string"}]}),
+]
+Pin = tuple[Force, Force, Force]
 JSON = b"application/json"
 # Of a question, but for a file with its tables: a lookup of many throws has one list for each dimension.
 MOST_LISTS, MOST_TEXTS = 500, 25_000
