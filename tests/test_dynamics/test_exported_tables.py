@@ -3,6 +3,7 @@
 import sys
 
 import numpy as np
+import openpyxl
 import pytest
 
 from comparing import close
@@ -100,7 +101,6 @@ def test_other_encodings(tmp_path, encoding):
 
 
 def write_sheets(path, **sheets):
-    openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
     book.remove(book.active)
     for name, rows in sheets.items():

@@ -216,6 +216,8 @@ def test_a_thickness_given_twice_leaves_a_plain_web(featured):
 
 # Powers of the size: forces, moments, the pin's compliance.
 POWERS = {"F": 0.0, "M": 1.0, "p": -1.0}
+# Reactions that no stiffness changes, besides the torque.
+BY_EQUILIBRIUM = {("left Fx", "pinned"), ("left Fy", "pinned"), ("left Fy", "guided")}
 
 
 @pytest.mark.slow
@@ -234,13 +236,14 @@ def test_reactions_scale_with_the_size_of_the_throw(featured_analysis, sharp):
                     analysis.sensitivities(quantity, support, pin_force=force)
                 continue
             power = POWERS[quantity.split()[-1][0]]
-            # The mesh's own answers scale exactly but for what its nodes slide; the errors of corrected
-            # slopes add up as independent ones.
+            by_equilibrium = (quantity, support) in BY_EQUILIBRIUM or quantity == "left Mz"
+            # The mesh's own answers scale exactly but for what its nodes slide; of corrected ones the sum of
+            # some twenty slopes is off by up to 1.3 of the error stated for each.
             for solved in (discrete, analysis):
                 slopes = solved.sensitivities(quantity, support, pin_force=force)
-                lengths = [path for path in slopes.shares if not path.endswith("angle")]
-                off = 3e-3 if solved is discrete else np.sqrt(len(lengths)) * slopes.error
-                assert sum(slopes[path] for path in lengths) == close(power, abs=off)
+                total = sum(slopes[path] for path in slopes.shares if not path.endswith("angle"))
+                off = 2e-3 if solved is discrete else 1.5 * slopes.error
+                assert total == close(power, abs=1e-5 if by_equilibrium else off)
                 if quantity == "left Mz":
                     assert slopes["crank_radius"] == close(1.0, abs=1e-5)
 

@@ -311,10 +311,9 @@ def test_the_coupling_swings_below_idle(machine, figure):
 
 
 @pytest.mark.further
+@pytest.mark.parametrize("machine", ["geared-set"], indirect=True)
 def test_a_half_order_has_its_critical_speed_where_the_coupling_swings(machine, figure):
     """The throws' torque of this order is static but for a thousandth, and no peak of the coupling's mode."""
-    if machine.engine.strokes == 2:
-        pytest.skip("a cycle of one revolution has no half orders")
     model, forced = torsional_model(machine), machine.run.forced_torsional
     (peak,) = (one for one in forced.resonances if one.order == 0.5 and one.of_load)
     assert peak.place == "flywheel - pinion"
