@@ -134,7 +134,7 @@ ENDS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("status", ENDS)
-@pytest.mark.parametrize("option", ["--json", "--quiet"])
+@pytest.mark.parametrize("option", ["--json", "--quiet", "--full"])
 def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     code, sentence = ENDS[status]
     results = stored_results()
@@ -145,6 +145,7 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     answer = call("vibration", "6chn25-34", "--strict", option)
     assert answer.code == code
     assert sentence in answer.err
+    assert ("Note: not used of 6chn25-34: " in answer.err) == (option == "--full")
     if option == "--json":
         assert answer.json()["assessment"]["decision"] == decision
     # Without the option the verdict does not matter.

@@ -12,7 +12,7 @@ from crankbase.model import part_kind
 from crankfem.files.chain.chain_file import KINDS
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.file_kinds import SECTIONS
-from crankfem.files.engine.used_values import ALL, USES
+from crankfem.files.engine.used_values import ALL, USES, command_use, not_used_of
 from crankfem.files.reading.data_files import data_folder
 from dynamics.gas.pressure import read_pressure_table
 from dynamics.harmonics import read_torque_table
@@ -59,6 +59,41 @@ def test_no_value_of_a_file_is_dropped_unsaid(name, tmp_path):
     assert CHANGED in outcomes
     assert NAMED in outcomes
     assert {*outcomes} <= {CHANGED, NAMED, REFUSED}
+
+
+AXIAL, TORSIONAL = "first_axial_frequency", "first_torsional_frequency"
+VARY = {"vary": ["web_width=300mm..380mm"]}
+
+
+@pytest.mark.parametrize(
+    ("given", "unused", "used"),
+    [
+        ({}, {"flywheel", "thrust_bearing", "engine"}, set()),
+        ({AXIAL: ">= 40 Hz"}, {"flywheel.inertia", "rod", "gas"}, {"flywheel.mass"}),
+        ({TORSIONAL: ">= 40 Hz"}, {"flywheel.mass", "gas"}, {"flywheel.inertia", "rod.mass"}),
+        # The search of throws has both frequencies among its responses.
+        ({AXIAL: ">= 40 Hz", **VARY}, {"gas"}, {"flywheel.mass", "flywheel.inertia"}),
+        ({"limits": [f"{AXIAL} >= 40 Hz"]}, {"flywheel", "engine"}, set()),
+        ({"limits": [f"{TORSIONAL} >= 40 Hz"], **VARY}, {"study"}, {"flywheel.inertia"}),
+        ({AXIAL: ">= 40 Hz", TORSIONAL: ">= 40 Hz"}, {"gas"}, {"flywheel.mass", "rod.mass"}),
+    ],
+)
+def test_an_optimum_uses_what_its_frequencies_depend_on(given, unused, used):
+    asked = {"vary": None, "minimize": "mass", "limits": None, AXIAL: None, TORSIONAL: None} | given
+    named = not_used_of("6chn25-34", command_use("optimum", asked))
+    assert unused <= {*named}
+    assert not {part for field in used for part in (field, field.partition(".")[0])} & {*named}
+
+
+def test_a_saved_model_replaces_that_of_the_file(tmp_path, six_cylinders, edit):
+    text = edit(six_cylinders, {"vibration.model": '"model.json"'})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    for name, coupled in (("run", {}), ("vibration", {"coupled": True}), ("vibration", {})):
+        for model in (None, "other.json"):
+            key = command_use(name, {"model": model, **coupled})
+            named = not_used_of(str(tmp_path / "mine.toml"), key)
+            assert ("vibration.model" in named) == (model is not None)
+            assert "study" in named
 
 
 @pytest.mark.slow

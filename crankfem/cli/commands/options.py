@@ -194,6 +194,10 @@ def with_output(
                 console.errors.printed = len(wrapped(note, console.errors.width)) if note else 0
                 try:
                     command(**arguments, out=output)
+                except SystemExit as verdict:
+                    if note and verdict.code in (EXIT_LIMITS, EXIT_UNDECIDED):
+                        console.print_note(note)
+                    raise
                 finally:
                     console.output.not_used = None
             if note:

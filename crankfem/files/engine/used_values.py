@@ -3,7 +3,7 @@
 `tests/campaigns/doors.py` changes every value of every file for each command, and holds it against `USES`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from crankbase.errors import InputError
@@ -94,8 +94,8 @@ USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "vibration of a chain": ((ALL,), ("chain.dashpots", *(f"*.{name}" for name in FREE))),
     "class": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, SKIRT)),
     "run": ((ALL,), CLASS_ALONE),
-    "run --model": ((ALL,), (*CLASS_ALONE, "study", "vibration.model")),
     "optimum": ((*THROW, "material"), ()),
+    "optimum of frequencies": ((ALL, "vibration.reciprocating"), UNFORCED),
     "optimum --first_axial_frequency": ((ALL,), (*UNFORCED, *TORSIONAL_ALONE)),
     "optimum --first_torsional_frequency": (
         (ALL, "vibration.reciprocating"),
@@ -104,13 +104,32 @@ USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }
 
 
+# Of commands that take a saved model in place of sources.
+WITH_MODEL = " --model"
+
+
 def command_use(name: str, arguments: Mapping[str, Any]) -> str:
-    """Return the key of a command, by the name of its function, with these arguments."""
+    """Return what a command is called in `not_used`, by the name of its function, with these arguments."""
     called = name.strip("_").replace("_", "-")
-    if called == "lookup" and str(arguments["model"]) == "law":
-        return "lookup law"
+    if called == "lookup":
+        return "lookup law" if str(arguments["model"]) == "law" else called
+    if called == "optimum":
+        return _optimum_use(**arguments)
     with_option = (f"{called} --{option}" for option, value in arguments.items() if value)
-    return next((key for key in with_option if key in USES), called)
+    key = next((key for key in with_option if key in USES), called)
+    return key + WITH_MODEL if called in ("run", "vibration") and arguments["model"] else key
+
+
+def _optimum_use(
+    vary: object, minimize: str, limits: Iterable[str] | None, **others: object
+) -> str:
+    """Return the key of a search by the frequencies that it calculates: with `vary` both or none."""
+    texts = " ".join([minimize, *(limits or ())])
+    names = ("first_axial_frequency", "first_torsional_frequency")
+    asked = [name for name in names if others[name] or (vary and name in texts)]
+    if not asked:
+        return "optimum"
+    return f"optimum --{asked[0]}" if len(asked) == 1 and not vary else "optimum of frequencies"
 
 
 def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
@@ -119,15 +138,18 @@ def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
     Parameters
     ----------
     command : str
-        Its name, perhaps with an option that changes what it uses, as "draw --shaft".
+        Its name, perhaps with an option that changes what it uses, as "draw --shaft", and with " --model".
     """
+    command, with_model, _ = command.partition(WITH_MODEL)
     key = f"{command} of a chain" if file_kind(content) == "chain" else command
     if key not in USES:  # the command refuses the file
         return ()
     used, without = USES[key]
     if WHOLE[0] in without and "plant" in content.sections.get("shaft_line", {}):
         without += ROTATING  # which the plant's chain has; only the whole crankshaft takes them
-    if command == "run" and "model" in content.sections.get("vibration", {}):
+    if with_model:
+        without += ("vibration.model",)
+    if command == "run" and (with_model or "model" in content.sections.get("vibration", {})):
         without += ("study",)  # for which the saved model stands
     limits = content.sections.get("limits", {}).keys()
     if "crankshaft_stress" in limits:
