@@ -282,8 +282,10 @@ PLAIN_SIZES = {
 THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
 # What an example of a temperature is [K].
 ROOM_TEMPERATURE = 293.15
-# Nobody means so many of a usual unit.
-LARGEST_MEANT = 1e4
+# Nobody means so many of a usual unit, nor a thousand of what another one is a thousand of.
+LARGEST_MEANT, MOST_MICROMETERS = 1e4, 1e3
+# A wrong unit misses a range by more than this factor; else the number is wrong.
+LEAST_MISS = 1.5
 # Numbers from here on get an exponent; smaller ones a person reads without one.
 WRITTEN_OUT = 1e7
 
@@ -390,6 +392,8 @@ def _is_within(value: float, limits: Limits) -> bool:
 def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
     """Return a number that is not allowed in the first usual unit in which it is; else nothing.
 
+    Nothing of what is only just outside, nor what nobody writes, such as 2500 um.
+
     Parameters
     ----------
     text : object
@@ -409,9 +413,15 @@ def other_unit(text: object, unit: str, value: float, limits: Limits) -> str:
     match = NUMBER_AND_UNIT.fullmatch(text) if isinstance(text, str) else None
     if match is None or _is_within(value, limits):
         return ""
-    for usual in WRITTEN.get(unit, ()) if abs(float(match[1])) < LARGEST_MEANT else ():
+    number, small = float(match[1]), 0.0 < value < (limits[0] or 0.0)
+    nearer = value * LEAST_MISS if small else value / LEAST_MISS
+    # Kelvins and degrees Celsius are near to each other.
+    if unit != "K" and _is_within(nearer, limits):
+        return ""
+    for usual in WRITTEN.get(unit, ()):
+        most = MOST_MICROMETERS if usual == "um" else LARGEST_MEANT
         size, zero = size_in(usual, unit)
-        if _is_within(float(match[1]) * size + zero, limits):
+        if abs(number) < most and _is_within(number * size + zero, limits):
             return f"{match[1]} {usual}"
     return ""
 

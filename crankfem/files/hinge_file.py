@@ -193,6 +193,10 @@ class RunningPoint(InputModel):
                 f"{present[0]}: given together with gas_force_table; allowed is one of the two, "
                 "because each defines the gas force."
             )
+        if self.reading is not None and self.gas_force_table is None:
+            raise InputError(
+                "reading: given without gas_force_table; allowed are both, because it says how that is read."
+            )
         missing = [name for name in names if name not in present]
         if self.gas_force_table is None and missing:
             raise InputError(

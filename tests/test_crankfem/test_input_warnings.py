@@ -414,6 +414,11 @@ def test_engines_built_uneven_get_a_note(cylinders, angles, banks):
     [
         ("throw.web_thickness", '"68 m"', "given '68 m'; did you mean 68 mm? allowed is 0.2 mm"),
         ("material.youngs_modulus", '"210 MPa"', "did you mean 210 GPa?"),
+        ("engine.bore", '"2500 mm"', "given 2500 mm; allowed is 2 mm to 2000 mm"),
+        ("engine.bore", '"3 m"', "given 3000 mm; allowed is 2 mm to 2000 mm"),
+        ("engine.bore", '"2500 m"', "mm; allowed is 2 mm to 2000 mm"),
+        ("engine.bore", '"900 m"', "given '900 m'; did you mean 900 mm?"),
+        ("engine.bore", '"0.25 mm"', "given '0.25 mm'; did you mean 0.25 m?"),
         ("throw.web_thickness", '"68,5 mm"', 'no separators, like "68.5 mm"'),
         ("engine.stroke", '"430 mm"', "crank radii; correct it, or engine.stroke, given 430 mm"),
         ("engine.strokes", '"4"', "given '4', a number in quotes; write it without quotes"),
@@ -509,6 +514,15 @@ def test_a_rated_power_that_does_not_fit_is_a_warning(call, tmp_path, six_cylind
     (warning,) = record["warnings"]
     assert warning.startswith("engine.rated_power: the file is inconsistent: rated power 6000 kW")
     assert not any("inconsistent" in remark for remark in record["remarks"])
+
+
+def test_speeds_in_radians_with_the_unit_of_turns_are_told(tmp_path, six_cylinders, edit):
+    speeds = {"lowest_speed": 20.94, "rated_speed": 52.36, "highest_speed": 53.93}
+    text = edit(six_cylinders, {f"engine.{name}": f'"{n} 1/min"' for name, n in speeds.items()})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    warnings = mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+    told = "perhaps rad/s and 1/min are mixed up: 500 1/min would suit"
+    assert any(one.startswith("engine.rated_speed: ") and told in one for one in warnings), warnings
 
 
 def test_a_peak_beyond_any_engine_is_refused(call, tmp_path, six_cylinders, edit):

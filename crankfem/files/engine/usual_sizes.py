@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from crankbase.errors import InputError
 from crankbase.model import GD2_OF_INERTIA, gd2_name
-from crankbase.quantity import format_quantity, percent
+from crankbase.quantity import PER_MINUTE, RPM, format_number, format_quantity, percent
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import MechanismSections
 from crankfem.files.sections.crank_throws import PLAIN
@@ -49,7 +49,7 @@ class UsualRange:
         """Give the sentence about a value far outside of the range; none about any other."""
         if self.low / self.margin <= value <= self.high * self.margin:
             return
-        shown = self.meaning.format(f"{value:.3g} {self.unit}")
+        shown = self.meaning.format(f"{format_number(value, 3)} {self.unit}")
         yield (
             f"{field}: {text}, which {shown}; usual is {self.low:g} to {self.high:g} {self.unit} "
             f"({self.basis})"
@@ -59,8 +59,10 @@ class UsualRange:
         """Give the sentence about a quantity in SI units, with the slip that one factor explains."""
         for sentence in self.warning(field, f"given {format_quantity(value, unit, 5)}", ratio):
             slips = dict(self.slips)
-            if "rad" in unit:
+            if unit.endswith("/rad"):
                 slips |= {math.degrees(1.0): "per degree", math.radians(1.0): "per degree"}
+            if unit == "rad/s":
+                slips |= dict.fromkeys((RPM, PER_MINUTE), "rad/s and 1/min are mixed up")
             if unit == "kg m^2":
                 # Either may be in the file: both are read as the inertia.
                 name = field.rpartition(".")[2]
