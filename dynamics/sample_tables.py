@@ -282,6 +282,11 @@ def _named_columns(
         if place is not None:
             faults += _contradiction(table, kind, name, place)
     angle, value = places
+    if angle is not None and angle == value:
+        faults.append(
+            f"{table.path}: reading.columns: given column {_column_name(table, angle)} for both "
+            f"{angles[0]} and {values[0]}; allowed are two columns."
+        )
     return angles[0], values[0], angle, value, faults
 
 
@@ -421,7 +426,8 @@ def one_cycle(
             )
             values = values.copy()
             values[0] = 0.5 * (values[0] + closing)
-        remarks.append(f"The closing sample at {rows.angles[cut.closing]:g} deg was dropped.")
+        else:
+            remarks.append(f"The closing sample at {rows.angles[cut.closing]:g} deg was dropped.")
     seam = _seam(single.angles, values, cycle)
     if seam > SEAM and cut.closing is None:
         half = (

@@ -184,6 +184,7 @@ def test_a_closing_row_that_differs_by_noise(tmp_path):
     table = read_torque_table(write(values[-1]), strokes=4)
     assert table.torque[0] == close(0.5 * (values[0] + values[-1]), rel=1e-8)
     assert any("their mean is used" in remark for remark in table.remarks)
+    assert not any("dropped" in remark for remark in table.remarks)
     with pytest.raises(InputError, match="closing sample; allowed is"):
         read_torque_table(write(values[0] + 3.0), strokes=4)
 
@@ -264,6 +265,7 @@ def test_all_faults_are_told_at_once_with_the_cure(tmp_path):
         ({"crank_angle_deg": 1, "torque_Nm": "M2"}, "heads none of the columns"),
         ({"crank_angle_deg": 1, "torque_kNm": 3}, "given in Nm, but named torque_kNm"),
         ({"angle": 1, "torque_Nm": 3}, "given angle, torque_Nm"),
+        ({"crank_angle_deg": 1, "torque_Nm": 1}, "for both crank_angle_deg and torque_Nm"),
     ],
 )
 def test_columns_that_are_not_there(tmp_path, columns, said):
