@@ -9,9 +9,9 @@ from crankfem.files.engine.field_tables import section_tables
 
 INTRODUCTION = """# Engine files
 
-This page lists every field of an engine file. The file is TOML. A quantity is text with any unit of its
-kind ("254 mm" and "10 in" are the same; "500 1/min" means revolutions), alone or in a table with its
-source:
+An engine file is TOML. `crankfem fields throw` prints the fields of a section with unit, allowed range,
+default and meaning; `crankfem new mine.toml` writes a commented file. A quantity is text with any unit of its
+kind ("254 mm" and "10 in" are the same; "500 1/min" means revolutions), alone or in a table with its source:
 
 ```toml
 crank_radius = "170 mm"
@@ -19,10 +19,9 @@ pin_diameter = { value = "180 mm", source = "drawing 12.3" }
 fillet_radius = { value = "12 mm", assumed = "usual for this size" }
 ```
 
-An inertia may be given as GD2: `flywheel_effect = "1800 kg m^2"` (or kgf m2) for an `inertia` of 450.
-The report lists `assumed` values. `[sources]` explains short names of sources: `name = "full citation"`.
-Unknown sections and fields are refused. `crankfem new MY.toml --from 6chn25-34` copies a complete file;
-`crankfem fields throw` prints a section of this page.
+An inertia may be given as GD2: `flywheel_effect = "1800 kg m^2"` (or kgf m2) for an `inertia` of 450. The
+report lists `assumed` values. `[sources]` explains short names of sources: `name = "full citation"`. Unknown
+sections and fields are refused.
 
 | sections | serve |
 |---|---|
@@ -87,6 +86,10 @@ damped.save("damped.toml")  # with sources; replaces no file that it has not wri
 Each section takes its changed fields in SI units, a whole section, or None to be left out; named throws as
 `throws={"heavy": {"web_thickness": 0.03}}`. Changes are checked as a file is. `cf.engine_vibration(damped)`
 calculates it; `cf.engines.mechanism_of(engine)` is its mechanism, for `cf.run_mechanism`.
+
+## All sections
+
+Optional, unless it says otherwise.
 """
 
 STUDY = """
@@ -104,14 +107,15 @@ pin_length = ["120 mm", "139 mm", "158 mm"]
 
 def page() -> str:
     """Return the text of the page."""
-    parts = [INTRODUCTION]
+    lines = [INTRODUCTION, "| section | fields |\n|---|---|"]
+    first: dict[tuple[str, ...], str] = {}
     for table in section_tables():
-        parts.append(f"\n## {table.title} ({table.need})\n")
-        parts.append("| field | unit | allowed | meaning |\n|---|---|---|---|")
-        parts += [
-            f"| {row.name} | {row.unit} | {row.allowed} | {row.meaning} |" for row in table.rows
-        ]
-    return "\n".join(parts) + "\n" + STUDY
+        names = tuple(row.name for row in table.rows)
+        fields = first.get(names) or ", ".join(names)
+        first.setdefault(names, f"those of `{table.title}`")
+        need = "" if table.need == "optional" else f" ({table.need.removeprefix('optional, ')})"
+        lines.append(f"| `{table.title}`{need} | {fields} |")
+    return "\n".join(lines) + "\n" + STUDY
 
 
 if __name__ == "__main__":

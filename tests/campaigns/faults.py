@@ -1,10 +1,10 @@
 """Processes killed, hung, without memory; stores torn; disks full or read-only: nothing may be lost.
 
 Run by hand, as root (small disks are mounted): python tests/campaigns/faults.py FOLDER
-A second run goes on where the first stopped. `--only NAME` runs one attack, `--seed` draws other moments,
-`--page docs/developers/faults.md` writes the table. After each attack the store passes SQLite's
-integrity_check, every finished design is the same row as before, and all designs of the study are there in
-the end with the bits of an undisturbed run. Exit code 1 if anything was lost, silent, a traceback, or hung.
+A second run goes on where the first stopped. `--only NAME` runs one attack, `--seed` draws other moments.
+After each attack the store passes SQLite's integrity_check, every finished design is the same row as before,
+and all designs of the study are there in the end with the bits of an undisturbed run. Exit code 1 if anything
+was lost, silent, a traceback, or hung.
 """
 
 import argparse
@@ -54,7 +54,6 @@ ATTACKS: dict[str, tuple[Attack, int]] = {
     **fault_terminal.ATTACKS,
 }
 COLUMNS = ("inputs", "lost", "silent", "tracebacks", "hangs")
-BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
 
 
 def recorded(file: Path) -> list[dict[str, object]]:
@@ -77,43 +76,35 @@ def main() -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", action="append", choices=list(ATTACKS))
-    parser.add_argument("--page", type=Path)
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     file = given.folder / "trials.jsonl"
     trials = recorded(file)
-    if not given.page:
-        bench = Bench(given.folder.resolve())
-        # In turn, so that a campaign cut short has tried everything.
-        waiting = list(given.only or ATTACKS)
-        while waiting:
-            name = waiting.pop(0)
-            attack, wanted = ATTACKS[name]
-            own = [trial for trial in trials if trial["attack"] == name]
-            if sum(trial["inputs"] for trial in own) >= wanted:
-                continue
-            waiting.append(name)
-            draw = Random(f"{given.seed} {name} {len(own)}")
-            place = bench.folder / f"{attack.__name__}-{len(own)}-{time.time_ns()}.sqlite"
-            began = time.monotonic()
-            found = attack(bench, draw, place)
-            trials.append({"attack": name, "number": len(own)} | asdict(found))
-            with file.open("a") as lines:
-                lines.write(json.dumps(trials[-1]) + "\n")
-            print(
-                f"{'ok  ' if found.good else 'BAD '} {name} {len(own) + 1}: {found.inputs} inputs, "
-                f"{time.monotonic() - began:.0f} s",
-                *found.words,
-                sep="\n       ",
-                flush=True,
-            )
-    lines = table(trials)
-    print("\n".join(lines))
-    if given.page:
-        before, rest = given.page.read_text(encoding="utf-8").split(BEGIN)
-        after = rest.split(END)[1]
-        text = "\n\n".join([before + BEGIN, "\n".join(lines), END + after])
-        given.page.write_text(text, encoding="utf-8")
+    bench = Bench(given.folder.resolve())
+    # In turn, so that a campaign cut short has tried everything.
+    waiting = list(given.only or ATTACKS)
+    while waiting:
+        name = waiting.pop(0)
+        attack, wanted = ATTACKS[name]
+        own = [trial for trial in trials if trial["attack"] == name]
+        if sum(trial["inputs"] for trial in own) >= wanted:
+            continue
+        waiting.append(name)
+        draw = Random(f"{given.seed} {name} {len(own)}")
+        place = bench.folder / f"{attack.__name__}-{len(own)}-{time.time_ns()}.sqlite"
+        began = time.monotonic()
+        found = attack(bench, draw, place)
+        trials.append({"attack": name, "number": len(own)} | asdict(found))
+        with file.open("a") as lines:
+            lines.write(json.dumps(trials[-1]) + "\n")
+        print(
+            f"{'ok  ' if found.good else 'BAD '} {name} {len(own) + 1}: {found.inputs} inputs, "
+            f"{time.monotonic() - began:.0f} s",
+            *found.words,
+            sep="\n       ",
+            flush=True,
+        )
+    print("\n".join(table(trials)))
     return int(any(trial[column] for trial in trials for column in COLUMNS[1:]))
 
 

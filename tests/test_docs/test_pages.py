@@ -1,7 +1,6 @@
 """Every block of the documentation runs; pages for developers name what there is."""
 
 import importlib.util
-import json
 import os
 import re
 import subprocess
@@ -216,12 +215,3 @@ def test_a_notebook_runs(tmp_path, monkeypatch, path):
     assert not any(cell.get("outputs") for cell in notebook.cells)
     nbclient.NotebookClient(notebook, resources={"metadata": {"path": str(tmp_path)}}).execute()
     assert any(cell.get("outputs") for cell in notebook.cells)
-
-
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_the_page_of_a_notebook_has_its_cells(path):
-    page = ROOT / "docs" / "notebooks" / f"{path.stem}.md"
-    if page.exists():  # the lecture has none
-        text = page.read_text(encoding="utf-8")
-        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-        assert [cell for cell in cells if "".join(cell["source"]) not in text] == []
