@@ -23,6 +23,7 @@ from typer.testing import CliRunner
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.model import part_kind
 from crankfem.files.reading.data_files import input_path, shipped_names
+from crankfem.files.satellites import satellite_files
 from file_fields import FILES, toml_text
 
 SHARE = 0.03
@@ -356,7 +357,7 @@ DOORS: dict[str, tuple[str | Door, ...]] = {
     "class": ("engine", torsional(modes), submission),
     "run": ("engine", modes, command("mechanism", "FILE"), forced, coupled, rest_of_run),
     "stress": ("engine", command("stress", "FILE", "--accuracy", "0.2")),
-    "hinge": ("hinge", command("hinge", "FILE")),
+    **{kind: (kind, command(own.command, "FILE")) for kind, own in satellite_files().items()},
     "chain": ("chain", command("vibration", "FILE")),
 }
 

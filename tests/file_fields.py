@@ -9,13 +9,16 @@ from pathlib import Path
 from crankbase.model import field_extra, part_kind
 from crankfem.files.chain.chain_file import KINDS as CHAIN
 from crankfem.files.engine.file_kinds import SECTIONS
-from crankfem.files.hinge_file import KINDS as HINGE
-from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.data_files import input_path, shipped_names
+from crankfem.files.satellites import at_place, satellite_files
 
 # Of each kind of file one that is shipped, and its sections.
 FILES = {
     "engine": ("6chn25-34", {name: one.model for name, one in SECTIONS.items()}),
-    "hinge": ("crosshead-30-100", HINGE),
+    **{
+        kind: (shipped_names(kind)[0], at_place(own.sections))
+        for kind, own in satellite_files().items()
+    },
     "chain": ("geared-example", {"chain": CHAIN["torsional"]}),
 }
 SECRET = "secret-7f3a91"

@@ -10,19 +10,17 @@ from matplotlib.figure import Figure
 
 import crankfem as cf
 from crankbase.errors import MissingLibraryError
-from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.hinge_file import load_hinge
 from fem import fillet_stress
 from fem.analysis import analyze_throw
 from fem.modes import dynamic_superelement
+from satellite_cases import of_satellites
 
 # Constants of fem.fillet_stress with which meshes are as coarse as can be.
 COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
 PACKAGES = ("crankfem", "geometry", "fem", "regression", "dynamics")
 
-calculated_hinge = cache(lambda: run_hinge(load_hinge("crosshead-30-100")))
 analyzed = cache(analyze_throw)
 stressed = cache(fillet_stress.fillet_stresses)
 condensed = {}  # by mesh and frequency, beside the mesh, which has no hash
@@ -78,9 +76,10 @@ def lighten(monkeypatch):
         monkeypatch.setattr(fillet_stress, name, value)
 
 
-def calculate_hinge_once(monkeypatch):
-    """Let commands that look at the shipped hinge calculate it once."""
-    put_everywhere(monkeypatch, run_hinge, lambda *_: calculated_hinge())
+def calculate_satellites_once(monkeypatch):
+    """Let commands of satellites calculate once what takes them long."""
+    for original, calculated in of_satellites("CALCULATED_ONCE").items():
+        put_everywhere(monkeypatch, original, calculated)
 
 
 def calculate_vibration_once(monkeypatch):

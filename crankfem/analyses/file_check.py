@@ -26,9 +26,8 @@ from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.engine.used_values import USES, not_used
 from crankfem.files.engine.usual_parts import POISSON, first_nodes, near_angles, study_warnings
 from crankfem.files.engine.usual_sizes import throw_warnings
-from crankfem.files.hinge_file import SECTIONS as HINGE_SECTIONS
-from crankfem.files.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
+from crankfem.files.satellites import at_place, satellite_files
 from crankfem.files.sections.crank_throws import PLAIN, ShaftLayout
 from crankfem.files.sections.engine_sections import Engine
 from dynamics.chains.coupling_damping import in_all_conventions
@@ -125,7 +124,7 @@ class CheckedFile:
 
     Attributes
     ----------
-    kind : {"engine", "mechanism", "throw", "hinge", "chain"}
+    kind : {"engine", "mechanism", "throw", "chain"} or that of a satellite
     name : str or None
         Its name in the file.
     commands : tuple of str
@@ -164,7 +163,7 @@ def check_file(given: str | TomlFile) -> CheckedFile:
     Parameters
     ----------
     given : str
-        Path, or the name of a shipped engine, hinge or chain; or its sections, if already read.
+        Path, or the name of a shipped file; or its sections, if already read.
 
     Raises
     ------
@@ -182,8 +181,8 @@ def check_file(given: str | TomlFile) -> CheckedFile:
 def _checked(given: str | TomlFile, content: TomlFile | None) -> CheckedFile:
     if content is None or file_kind(content) == "chain":
         return _chain(load_chain(content or given))
-    if file_kind(content) == "hinge":
-        return _hinge(load_hinge(content), content)
+    if file_kind(content) in satellite_files():
+        return _of_satellite(content)
     read = load_any(content)
     of_study: tuple[str, ...] = ()
     if "study" in content.sections:
@@ -243,15 +242,11 @@ def _dimensions(throw: CrankThrow) -> list[Dimension]:
     ]
 
 
-def _hinge(read: HingeFile, content: TomlFile) -> CheckedFile:
-    return CheckedFile(
-        read.path,
-        "hinge",
-        read.name,
-        tuple(name for name in HINGE_SECTIONS if name in content.sections),
-        ("hinge",),
-        read.records,
-    )
+def _of_satellite(content: TomlFile) -> CheckedFile:
+    files = satellite_files()[file_kind(content)]
+    read = at_place(files.reader)(content)
+    sections = tuple(name for name in at_place(files.sections) if name in content.sections)
+    return CheckedFile(read.path, files.kind, read.name, sections, (files.command,), read.records)
 
 
 def _chain(read: ChainFile) -> CheckedFile:

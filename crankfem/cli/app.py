@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Iterator, Mapping
 from functools import cache
-from importlib import import_module
 from typing import Annotated, Any
 
 import typer
@@ -12,6 +11,7 @@ from typer.core import TyperCommand, TyperGroup
 from crankbase.errors import InputError
 from crankbase.quantity import split_quantity
 from crankfem.cli import console
+from crankfem.files.satellites import at_place, called, plugs
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS
 
 # The base of typer's errors about wrong options and arguments; it has no public name.
@@ -79,7 +79,6 @@ COMMANDS: dict[str, dict[str, tuple[str, ...]]] = {
             "harmonics 8chn26-26",
             "harmonics yamz5340_torque_one_throw.csv --orders 4",
         ),
-        "hinge:hinge": ("hinge crosshead-30-100 --pictures hinge",),
     },
     "Vibration": {
         "vibration:vibration": (
@@ -93,12 +92,19 @@ COMMANDS: dict[str, dict[str, tuple[str, ...]]] = {
     },
 }
 
-# Group, place and examples of each command; some have the name of what Python keeps for itself.
-PLACES = {
-    place.partition(":")[2].strip("_").replace("_", "-"): (group, place, examples)
-    for group, commands in COMMANDS.items()
-    for place, examples in commands.items()
-}
+
+def _places() -> Iterator[tuple[str, tuple[str, str, tuple[str, ...]]]]:
+    """Name, and group, place and examples of each command; those of satellites follow the one they name."""
+    for group, commands in COMMANDS.items():
+        for place, examples in commands.items():
+            name = called(place)
+            yield name, (group, f"crankfem.cli.commands.{place}", examples)
+            for plug in plugs():
+                if plug.after == name:
+                    yield called(plug.command), (group, plug.command, plug.examples)
+
+
+PLACES = dict(_places())
 
 # What typer says of a wrong option, in words for people.
 TYPERS_WORDS = {
@@ -128,13 +134,11 @@ class OptionsOnce(TyperCommand):
 @cache
 def _command(name: str) -> Any:
     group, place, examples = PLACES[name]
-    module, _, function = place.partition(":")
     # Brackets and the like in examples are text, not markup.
     lines = (f"crankfem {example}".replace("[", r"\[") for example in examples)
     epilog = "Example: " + "\n\n".join(lines)
     alone = typer.Typer(add_completion=False, **LOOK)
-    command = getattr(import_module(f"crankfem.cli.commands.{module}"), function)
-    alone.command(name, cls=OptionsOnce, epilog=epilog, rich_help_panel=group)(command)
+    alone.command(name, cls=OptionsOnce, epilog=epilog, rich_help_panel=group)(at_place(place))
     return typer.main.get_command(alone)
 
 

@@ -1,1 +1,1 @@
-"""Files of users, read and checked: engines, mechanisms, chains, hinges, studies, tables."""
+"""Files of users, read and checked: engines, mechanisms, chains, studies, tables."""

@@ -10,7 +10,8 @@ from random import Random
 from fault_tools import Bench, Finding, command
 from study_tools import ROOT, environment
 
-from crankfem.files.reading.data_files import FOLDERS, data_folder
+from crankfem.files.reading.data_files import KINDS, data_folder
+from crankfem.files.satellites import satellite_files
 
 # A window title, hidden text, a C1 sequence, and text written backwards; and as TOML writes them.
 ESCAPES = "\u001b]0;evil\u0007\u001b[8m\u009b31m\u007f\u202e[red]"
@@ -31,7 +32,7 @@ for file in sys.argv[1:]:
 """
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 WIDEST = 40
-FILES = sorted(path for kind in FOLDERS.values() for path in (data_folder() / kind).glob("*.toml"))
+FILES = sorted(path for kind in KINDS for path in (data_folder() / f"{kind}s").glob("*.toml"))
 # Of first columns, which lists leave out.
 HEADS = {
     "bearing",
@@ -55,7 +56,7 @@ TABLES = (
     ("lookup", "law", "--throw", "6chn25-34"),
     ("mechanism", "6chn25-34"),
     ("harmonics", "8chn26-26"),
-    ("hinge", "crosshead-30-100"),
+    *((own.command,) for own in satellite_files().values()),
     ("vibration", "mwm-six"),
     ("vibration", "6chn25-34"),
     ("two-mass", "yamz-5340"),

@@ -17,6 +17,7 @@ import crankfem as cf
 from crankbase.errors import InputError
 from crankbase.quantity import parse_quantity
 from crankfem.files.engine.throw_file import load_study, load_throw_file
+from crankfem.files.satellites import at_place, satellite_files
 from dynamics.gas.pressure import read_pressure_table
 from dynamics.harmonics import read_torque_table
 from regression.models.compliance_model import checksum
@@ -27,6 +28,7 @@ from regression.plans.relations import (
     read_expression,
 )
 from regression.runs.study import import_results
+from satellite_cases import of_satellites
 from strategies.files import NUMBERS, ROOT, UNITS, as_bytes, changed_json, changed_texts, texts_of
 from strategies.outcomes import Outcome, outcome_of
 from throws import MEDIUM_SPEED_TOML
@@ -181,11 +183,6 @@ def _mechanism(path: Path) -> Any:
     return mechanism, cf.run_mechanism(mechanism)
 
 
-def _hinge(path: Path) -> Any:
-    found = cf.hinges.load_hinge(path)
-    return found, cf.hinges.run_hinge(found)
-
-
 def _looked_up(path: Path) -> Any:
     """Load a model, and look its responses up in the middle of its ranges."""
     model = cf.ComplianceModel.load(path)
@@ -278,7 +275,10 @@ def parsers() -> dict[str, Parser]:
         "crankshaft of a file": Parser(_toml(*ENGINES), cf.load_crankshaft),
         "chain file": Parser(_toml(*CHAINS), partial(_chain, cf.load_chain)),
         "chain as text": Parser(_csv(CHAIN_TEXTS), partial(_chain, cf.load_chain), "mine.txt"),
-        "hinge file": Parser(_toml("data/hinges/*.toml"), cf.hinges.load_hinge),
+        **{
+            f"{kind} file": Parser(_toml(f"data/{kind}s/*.toml"), at_place(own.reader))
+            for kind, own in satellite_files().items()
+        },
         "study file": Parser(_csv(STUDIES[:3]), _study),
         "model file": Parser(as_bytes(model_files()), _looked_up, "model.json"),
         "pressure table": Parser(_csv(PRESSURES), read_pressure_table, "mine.csv"),
@@ -295,7 +295,10 @@ def parsers() -> dict[str, Parser]:
         "relation": Parser(_csv(RELATIONS), _file(_relation)),
         "constraint": Parser(_csv(CONSTRAINTS), _file(_constraint)),
         "forces of a mechanism": Parser(_toml(*ENGINES), _mechanism, share=0.1),
-        "hinge calculated": Parser(_toml("data/hinges/*.toml"), _hinge, share=0.05),
+        **{
+            f"{kind} calculated": Parser(_toml(f"data/{kind}s/*.toml"), calculate, share=0.05)
+            for kind, calculate in of_satellites("OF_A_FILE").items()
+        },
     }
 
 

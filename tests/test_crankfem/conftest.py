@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.cli import app as cli
 from crankfem.files.engine.engine_file import load_engine
@@ -124,6 +125,23 @@ def _own_folder(tmp_path, monkeypatch):
 @pytest.fixture
 def edit():
     return edited
+
+
+@pytest.fixture
+def told(tmp_path):
+    """Load a file with changes, and return the field that each sentence begins with."""
+
+    def fields(load, text, changes, name="mine.toml"):
+        for old, new in changes.items():
+            assert old in text, old
+            text = text.replace(old, new)
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(InputError) as raised:
+            load(path)
+        return [line.removeprefix(f"{name}: ").split(": ")[0] for line in raised.value.sentences]
+
+    return fields
 
 
 @pytest.fixture

@@ -39,7 +39,6 @@ from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.engine.new_file import IN_LINE, engine_template, even_v_angle_deg
 from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
-from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.jobs.run_computation import read_inputs
@@ -78,20 +77,10 @@ def test_an_engine_is_shown_as_understood(call):
         assert said in words
 
 
-def test_hinges_and_chains_are_checked(call, tmp_path):
-    hinge = call("check", "crosshead-30-100", "--json").json()
-    assert (hinge["kind"], hinge["commands"], hinge["shape"]) == ("hinge", ["hinge"], None)
-    assert {"engine", "hinge", "operation"} <= set(hinge["sections"])
-    assert "valid hinge file" in call("check", "crosshead-30-100").out
+def test_chains_are_checked(call):
     chain = call("check", "mwm-six", "--json").json()
     assert (chain["kind"], chain["commands"]) == ("chain", ["vibration"])
     assert "a torsional chain of" in call("check", "mwm-six", "--full").out
-    assert call("new", "mine.toml", "--from", "crosshead-30-100").code == 0
-    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
-    (tmp_path / "mine.toml").write_text(text.replace("[sliding]", "[slidng]"), encoding="utf-8")
-    answer = call("check", "mine.toml")
-    assert answer.code == 2
-    assert "[slidng] is an unknown section" in answer.err
 
 
 def test_an_impossible_cycle_is_found(call, tmp_path, six_cylinders, edit):
@@ -368,23 +357,6 @@ stiffness = "3 N m/rad"
 """
 
 
-@pytest.fixture
-def told(tmp_path):
-    """Load a file with changes, and return the field that each sentence begins with."""
-
-    def fields(load, text, changes, name="mine.toml"):
-        for old, new in changes.items():
-            assert old in text, old
-            text = text.replace(old, new)
-        path = tmp_path / name
-        path.write_text(text, encoding="utf-8")
-        with pytest.raises(InputError) as raised:
-            load(path)
-        return [line.removeprefix(f"{name}: ").split(": ")[0] for line in raised.value.sentences]
-
-    return fields
-
-
 IN_THROWS = {
     'pin_diameter = "70 mm"': "pin_diameter = 70",
     'web_width = "100 mm"': 'web_with = "100 mm"',
@@ -451,19 +423,6 @@ def test_lines_of_a_chain_in_text(told):
     assert told(load_chain, text, {}, "mine.txt") == ["line 2", "line 3", "line 4"]
     text = "torsional\na  60 kg m^2\n  1 N m/rad  to c\nb  7 kg m^2\n  1 N m/rad\n"
     assert told(load_chain, text, {}, "mine.txt") == ["line 3", "line 5"]
-
-
-def test_sections_and_running_points_of_a_hinge_file(told):
-    text = input_path("crosshead-30-100", "hinge").read_text(encoding="utf-8")
-    changes = {
-        '"1550 mm"': '"1550"',
-        'peak_pressure = { value = "8 MPa"': 'peak_pressure = { value = "8"',
-        'height = { value = "400 mm"': 'height = { value = "400"',
-    }
-    found = told(load_hinge, text, changes)
-    assert found[0] == "rod.length"
-    assert "comparison.sizes[1].height" in found
-    assert any(one.startswith("operation.points[") for one in found)
 
 
 @pytest.mark.parametrize(
@@ -820,13 +779,7 @@ def test_a_new_file_comes_with_its_lettered_drawing(call, tmp_path):
 
 
 @pytest.mark.slow
-def test_hinges_and_chains_are_copied(call, tmp_path):
-    answer = call("new", "hinge.toml", "--from", "crosshead-30-100")
-    assert answer.code == 0
-    assert "crankfem hinge hinge.toml" in answer.out
-    assert (tmp_path / "hinge.toml").read_bytes() == input_path(
-        "crosshead-30-100", "hinge"
-    ).read_bytes()
+def test_chains_and_mechanisms_are_copied(call):
     record = call("new", "chain.toml", "--from", "mwm-six", "--json").json()
     assert record["next"] == "crankfem vibration chain.toml"
     assert call("new", "v.toml", "--from", "buick-3800", "--json").json()["kind"] == "mechanism"
@@ -837,7 +790,7 @@ def test_the_list_of_what_is_shipped(call, tmp_path):
     kinds = {one["name"]: one["kind"] for one in shipped}
     assert kinds["6chn25-34"] == "engine"
     assert kinds["2ch85-110"] == "throw"
-    assert (kinds["crosshead-30-100"], kinds["mwm-six"]) == ("hinge", "chain")
+    assert kinds["mwm-six"] == "chain"
     assert all(one["about"] for one in shipped)
     out = call("new", "--list").out
     assert all(one["name"] in out for one in shipped)

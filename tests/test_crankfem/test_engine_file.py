@@ -227,15 +227,6 @@ def test_a_study_of_which_nothing_can_be_built(
     assert [path.name for path in tmp_path.iterdir()] == ["wrong.toml"]
 
 
-@pytest.mark.parametrize("command", ["mechanism", "vibration", "throw", "run"])
-def test_a_hinge_is_no_engine(tmp_path, monkeypatch, call, command):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "hinge.toml").write_text('[sliding]\n[hinge]\nheight = "1 m"\n', encoding="utf-8")
-    answer = call(command, "hinge.toml")
-    assert answer.code == 2
-    assert answer.err.endswith("describes an elastic hinge; use it with hinge.\n")
-
-
 @pytest.mark.further
 @pytest.mark.parametrize(
     "command",

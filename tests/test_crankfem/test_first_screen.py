@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from crankbase.table import SI, Column, Main, Table
 from crankfem.cli import console
 from crankfem.cli.layout import short_places, table_lines
-from stand_ins import calculate_hinge_once, calculate_vibration_once
+from satellite_cases import of_satellites
+from stand_ins import calculate_satellites_once, calculate_vibration_once
 
 WORDS = st.text("abcxyz.-", min_size=1, max_size=14)
 CELLS = st.one_of(
@@ -110,7 +111,7 @@ def test_places_have_short_names_with_a_legend(monkeypatch, capsys):
 
 ENGINES = ("6chn25-34", "8chn13-14")
 QUICK = [
-    ("hinge",),
+    *(tuple(line.split()) for line in of_satellites("ANSWERS")),
     ("two-mass", "yamz-5340"),
     ("vibration", "mwm-six"),
     ("plan", "6chn25-34"),
@@ -124,7 +125,6 @@ LONG = [
     *(("vibration", engine, "--coupled", "--run-up", "10 s") for engine in ENGINES),
 ]
 ANSWERS = {
-    "hinge": "The hinge leaves",
     "two-mass": "resonates at",
     "vibration": "Verdict: |strain energy",
     "plan": "held-out designs",
@@ -135,11 +135,12 @@ ANSWERS = {
     "mechanism": "indicated power",
     "throw": "guided",
     "stress": "pin, ",
+    **{line.split()[0]: words for line, words in of_satellites("ANSWERS").items()},
 }
 
 
 def check_screens(call, monkeypatch, width, line):
-    calculate_hinge_once(monkeypatch)
+    calculate_satellites_once(monkeypatch)
     calculate_vibration_once(monkeypatch)
     monkeypatch.setenv("COLUMNS", str(width))
     for stream in (console.output, console.errors):

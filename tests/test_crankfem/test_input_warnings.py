@@ -453,7 +453,6 @@ def test_a_file_without_the_usual_ending_is_read(call, tmp_path, six_cylinders):
         (("run", "vw-tdi", "--workers", "two"), "'--workers': allowed is a whole number; see"),
         (("lookup", "laww"), "laww: does not exist; allowed are law and the path of a model file."),
         (("check", "6chn25-43"), "6chn25-43: does not exist; did you mean 6chn25-34? give"),
-        (("hinge", "vw-tdi"), "vw-tdi: is an engine, not a hinge file; give the path of a hinge"),
     ],
 )
 def test_slips_on_the_command_line(call, arguments, said):
@@ -462,10 +461,8 @@ def test_slips_on_the_command_line(call, arguments, said):
     assert said in answer.err
 
 
-def test_an_engine_is_no_hinge_and_no_model(call, tmp_path, six_cylinders):
+def test_an_engine_is_no_model(call, tmp_path, six_cylinders):
     (tmp_path / "mine.toml").write_text(six_cylinders, encoding="utf-8")
-    answer = call("hinge", "mine.toml")
-    assert answer.err.startswith("Error: mine.toml: describes an engine or a throw, not an")
     answer = call("lookup", "mine.toml")
     assert answer.err.startswith("Error: mine.toml: is a TOML file; allowed is a compliance model")
     (tmp_path / "results.json").write_text('{"about": {}}', encoding="utf-8")

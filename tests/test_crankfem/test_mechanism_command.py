@@ -37,6 +37,7 @@ from dynamics.plots.load_diagrams import on_paper
 from geometry.crankshaft import throw_masses
 from json_units import numbers_with_units
 from parts_in_a_line import cylinder
+from satellite_cases import of_satellites
 
 
 @pytest.fixture(scope="module")
@@ -340,7 +341,11 @@ COMMANDS = {
     "mechanism": ("mechanism", input_path("6chn25-34")),
     "harmonics": ("harmonics", input_path("6chn25-34")),
     "harmonics of a table": ("harmonics", TABLE),
-    "hinge": ("hinge", input_path("crosshead-30-100", "hinge")),
+    **{
+        name: (words[0], file)
+        for name, (file, words, _) in of_satellites("WRITES").items()
+        if "--csv" in words
+    },
 }
 
 

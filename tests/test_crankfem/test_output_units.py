@@ -13,6 +13,7 @@ from crankbase.table import SI, UNITS, Column, Table, parse_output_units
 from crankbase.units import unit_registry
 from crankfem.cli import console
 from crankfem.files.reading.data_files import input_path
+from satellite_cases import of_satellites
 
 INCH, POUND = 0.0254, 0.45359237
 FORCE = POUND * 9.80665
@@ -111,7 +112,7 @@ def test_a_command_prints_its_record_in_other_units(call):
     "arguments",
     [
         ("harmonics", "8chn26-26", "--cylinder", "1"),
-        pytest.param(("hinge",), marks=pytest.mark.slow),
+        *(tuple(line.split()) for line in of_satellites("PRINTED_NUMBERS")),
         ("check", "6chn25-34"),
         ("formulas", "6chn25-34", "--no-fe"),
     ],

@@ -16,7 +16,8 @@ from crankfem.analyses.vibration.tables import vibration_parts
 from crankfem.cli.app import app
 from crankfem.cli.console import print_parts
 from json_units import numbers_with_units
-from stand_ins import calculate_hinge_once, stored_results, typed
+from satellite_cases import of_satellites
+from stand_ins import calculate_satellites_once, stored_results, typed
 
 # Lines whose JSON is looked at, with how many numbers of it are known to be printed with a unit.
 QUICK = {
@@ -41,7 +42,7 @@ MODEL = {
     "optimum model.json --minimize axial_compliance --limit 'web_width <= 0.301 m'": 1,
 }
 SLOW = {
-    "hinge": 25,
+    **of_satellites("PRINTED_NUMBERS"),
     "throw 6chn25-34 --accuracy 0.1 --modes 2": 15,
     "stress 6chn25-34 --accuracy 0.2": 0,
     "draw 6chn25-34": 0,
@@ -125,7 +126,7 @@ def test_so_have_those_of_a_study_and_a_model(line, store, model_file, call, pri
 @pytest.mark.further
 @pytest.mark.parametrize("line", SLOW)
 def test_so_have_numbers_of_finite_elements(line, lightly, call, printed, monkeypatch):
-    calculate_hinge_once(monkeypatch)
+    calculate_satellites_once(monkeypatch)
     assert check_line(line, call, printed) >= SLOW[line]
 
 

@@ -18,7 +18,6 @@ from comparing import close
 from crankbase.errors import InputError
 from crankbase.results import Result
 from crankfem.analyses.engine_mechanism import load_mechanism
-from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.study.studies import fitted
@@ -30,8 +29,7 @@ from crankfem.analyses.throw.formula_records import (
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.analyses.vibration.run_up import run_up
-from crankfem.files.hinge_file import load_hinge
-from crankfem.files.reading.data_files import data_folder, input_path
+from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties
 from plans import plan_of_levels
@@ -341,16 +339,3 @@ def test_a_run_up(vibration):
     assert frame["largest"].to_numpy() == close(found.largest)
     name = frame["element"][found.worst]
     assert found.plot(element=name).get_title(loc="left") == name
-
-
-@pytest.mark.further
-def test_a_hinge():
-    run = run_hinge(load_hinge(data_folder() / "hinges/crosshead-30-100.toml"))
-    axes = run.plot()
-    assert axes.lines[0].get_ydata() == close(1e-3 * run.moment.moment)
-    assert "[kN m]" in axes.get_ylabel()
-    for show in ("gas force", "speed", "guides"):
-        assert run.plot(show=show).has_data(), show
-    assert run.to_pandas()["flywheel"].tolist() == [one.flywheel for one in run.others]
-    with pytest.raises(InputError, match="show: given 'sound'; allowed are moment, gas force, "):
-        run.plot(show="sound")

@@ -37,7 +37,8 @@ from crankfem.jobs.run_files import (
 from crankfem.report.interactive.plot import Plot, Plots
 from crankfem.report.writing import write_report_text
 from regression.models.compliance_model import ComplianceModel
-from stand_ins import calculate_hinge_once, put_everywhere, stored_results
+from satellite_cases import of_satellites
+from stand_ins import calculate_satellites_once, put_everywhere, stored_results
 
 LEFT = {
     REPORT: "report",
@@ -480,14 +481,7 @@ COMMANDS = {
     "mechanism pictures": Command(
         SIX, ("mechanism", "{mine}", "--pictures", "plots"), "plots/crankpin_polar.svg"
     ),
-    "hinge": Command(
-        input_path("crosshead-30-100", "hinge"), ("hinge", "{mine}", "--csv", "out.csv"), "out.csv"
-    ),
-    "hinge pictures": Command(
-        input_path("crosshead-30-100", "hinge"),
-        ("hinge", "{mine}", "--pictures", "p"),
-        "p/hinge_speed.svg",
-    ),
+    **{name: Command(*case) for name, case in of_satellites("WRITES").items()},
     "vibration": Command(SIX, ("vibration", "{mine}", "--csv", "tables"), "tables/torsional.csv"),
     "vibration pictures": Command(
         SIX, ("vibration", "{mine}", "--pictures", "plots"), "plots/axial_modes.svg"
@@ -524,7 +518,7 @@ def vibration_as_run(coarse_throw):
 @pytest.fixture
 def calculated(lightly_stressed, monkeypatch, vibration_as_run):
     """Let commands give what was calculated once: files are what is looked at."""
-    calculate_hinge_once(monkeypatch)
+    calculate_satellites_once(monkeypatch)
     put_everywhere(monkeypatch, engine_vibration, lambda *_, **__: vibration_as_run())
 
 
@@ -599,7 +593,7 @@ def test_a_file_gives_way_only_if_the_command_made_it(line, call):
     [
         ("harmonics of an engine", "plots/stars.svg"),
         ("mechanism pictures", "plots/piston_forces.svg"),
-        ("hinge pictures", "p/hinge_guides.svg"),
+        *of_satellites("LAST_FILES").items(),
         ("fit --plots", "plots/axial_compliance_sensitivities.svg"),
     ],
 )

@@ -34,8 +34,6 @@ from dynamics.excitation.pressure_map import pressure_map
 from dynamics.gas.gas_cycle import GasCycleResult
 from dynamics.gas.pressure import gas_pressure
 from dynamics.harmonics import TorqueTable, harmonics
-from dynamics.hinge.crosshead import CrossheadEngine
-from dynamics.hinge.profile import GasSpring, SteadyHingeTurn, hinge_moment, hinge_profile
 from dynamics.plots.campbell import LABEL_ROOM, campbell_frame
 from dynamics.plots.harmonics import KIND_COLORS
 from dynamics.plots.load_diagrams import LABEL_HALF, label_spots, square_round
@@ -52,6 +50,7 @@ from dynamics.transient.propagator import SpeedCurve
 from dynamics.transient.turning_run import TurningCycle, TurningRun
 from dynamics.turning.free_turning import FreeTurning, WorkShare
 from dynamics.turning.speed_over_angle import SpeedOverAngle
+from satellite_cases import of_satellites
 
 RPM = 30.0 / math.pi
 CHAIN = Chain([0.3, 0.2, 2.0], [4e4, 5e4], damping=3.0, names=["pulley", "crank", "flywheel"])
@@ -114,21 +113,6 @@ def forces():
     return mechanism_forces(
         engine(), 150.0, 1e3 * rising(2, ANGLES.size), shaft_angles_deg=np.degrees(ANGLES)
     )
-
-
-@cache
-def hinge():
-    force_engine = CrossheadEngine(
-        0.3, 0.5, 80.0, 0.2, 30.0, ConnectingRod(1.55, 150.0, 0.8, 50.0), 150.0, 200.0, 110.0
-    )
-    return hinge_moment(
-        force_engine, lambda a: 5e5 * np.exp(4.0 * (np.cos(a - 0.3) - 1.0)), 9.32, samples=72
-    )
-
-
-@cache
-def profile():
-    return hinge_profile(hinge(), GasSpring(0.031, 1.0, 5e6), 0.8)
 
 
 @cache
@@ -505,26 +489,6 @@ CASES = {
         lambda o: {"gravity": (o.time, 1e-3 * o.gravity.work)},
     ),
     "SpeedOverAngle": (turning, {}, lambda o: {"speed": (o.angle_deg, RPM * o.speed)}),
-    "HingeMoment": (
-        hinge,
-        {},
-        lambda o: {"hinge": over_cycle(np.radians(o.angles_deg), 1e-3 * o.moment)},
-    ),
-    "HingeProfile": (
-        profile,
-        {},
-        lambda o: {"guide": (closed(1e3 * o.guide().real), closed(1e3 * o.guide().imag))},
-    ),
-    "HingeProfile, moment": (
-        profile,
-        {"show": "moment"},
-        lambda o: {"moment": over_cycle(np.radians(o.angles_deg), 1e-3 * o.moment)},
-    ),
-    "SteadyHingeTurn": (
-        lambda: SteadyHingeTurn(ANGLES[:12], 9.0 + np.sin(ANGLES[:12]), 9.0, 0.0, 0.0),
-        {},
-        lambda o: {"speed": over_cycle(np.radians(o.angles_deg), RPM * o.speed)},
-    ),
     "ShaftModes": (
         shaft_modes,
         {"radius": 0.1},
@@ -573,6 +537,7 @@ CASES = {
         {"show": "sizes"},
         lambda o: {None: (o.sizes, 100.0 * o.used_at_best)},
     ),
+    **of_satellites("PLOTS"),
 }
 # Without a unit: a star has no axes, and nodes stand at their names.
 NO_UNIT = {"Star": "xy", "Modes": "x", "Modes, one": "x"}
@@ -685,7 +650,6 @@ WRONG = {
     "PinForceHarmonics": (pin_harmonics, {"show": ["axial"]}),
     "GasCycleResult": (cycle, {"show": ["time"]}),
     "FreeTurning": (free_turning, {"show": ["heat"]}),
-    "HingeProfile": (profile, {"show": ["heat"]}),
     "SizedDamper": (sized, {"show": ["time"]}),
     "Modes": (modes, {"count": [0]}),
     "Balance": (lambda: balance(engine(), 100.0), {"show": ["torque", 3, None]}),
@@ -695,6 +659,7 @@ WRONG = {
     "ShaftModes": (shaft_modes, {"radius": [None, "a", -0.1], "mode": [1, 3]}),
     "PressureMap": (pressures, {"speed": [1e9, "x"], "load": [99, "x", NAN]}),
     "Envelope": (lambda: run().envelope(), {"over": ["angle", 3], "quantity": [["torque"]]}),
+    **of_satellites("WRONG_OPTIONS"),
 }
 
 
@@ -785,12 +750,6 @@ TABLES = {
     ),
     "FreeTurning": (free_turning, lambda o: {"load_moment": (o.load.moment, "N m")}),
     "SpeedOverAngle": (turning, lambda o: {"kinetic_energy": (o.energy, "J")}),
-    "HingeMoment": (hinge, lambda o: {"hinge_moment": (o.moment, "N m")}),
-    "HingeProfile": (profile, lambda o: {"normal_force": (o.normal_force, "N")}),
-    "SteadyHingeTurn": (
-        lambda: SteadyHingeTurn(ANGLES, rising(24), 9.0, 0.0, 0.0),
-        lambda o: {"speed": (o.speed, "rad/s")},
-    ),
     "ShaftModes": (shaft_modes, lambda o: {"torsional": (o.shares[1], "1")}),
     "ResponseMatch": (
         lambda: ResponseMatch("axial", SPEEDS, rising(5), 2.0 * rising(5)),
@@ -814,6 +773,7 @@ TABLES = {
         lambda _: {"worst_speed": ([100.0, 100.0], "rad/s"), "used": ([1.25, 0.25], "1")},
     ),
     "SizedDamper": (sized, lambda o: {"size": (o.sizes, "kg m^2")}),
+    **of_satellites("TABLES"),
 }
 
 
@@ -952,7 +912,6 @@ def test_lists_of_records_become_tables():
     assert bool(barred["allowed"].all())
     ranges = table_of([CriticalRange(1, 6.0, 100.0, 95.0, 105.0, 0.1, 0.15)])
     assert ranges.attrs["units"]["margin"] == "1"
-    assert list(table_of(profile().checks)["met"]) == [one.met for one in profile().checks]
     assert table_of([]).empty
 
 
@@ -980,7 +939,9 @@ def test_every_plot_table_and_grid_is_tested_here(public_classes):
     for name, own in public_classes.items():
         for way, cases in (("plot", CASES), ("to_pandas", TABLES), ("to_xarray", GRIDS)):
             tested = {case.split(",")[0] for case in cases}
-            here = own.__module__.startswith("dynamics.") and is_special(own, way)
+            package, _, module = own.__module__.partition(".")
+            here = package == "dynamics" or module.startswith("satellites.")
+            here = here and not module.endswith(".run") and is_special(own, way)
             assert not here or name in tested, f"{name}.{way} is not tested here"
 
 

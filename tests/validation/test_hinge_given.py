@@ -17,10 +17,10 @@ from scipy.optimize import minimize_scalar
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.hinge.hinge_run import hinge_columns, run_hinge
-from crankfem.files.hinge_file import load_hinge
 from crankfem.files.reading.data_files import input_path
-from dynamics.hinge.profile import hinge_moment
+from crankfem.satellites.hinge.file import load_hinge
+from crankfem.satellites.hinge.profile import hinge_moment
+from crankfem.satellites.hinge.run import hinge_columns, run_hinge
 
 pytestmark = pytest.mark.slow
 

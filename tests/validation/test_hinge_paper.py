@@ -21,8 +21,8 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.files.hinge_file import load_hinge
-from dynamics.hinge.profile import (
+from crankfem.satellites.hinge.file import load_hinge
+from crankfem.satellites.hinge.profile import (
     best_pressure,
     flywheel_for,
     hinge_moment,

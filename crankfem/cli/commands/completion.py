@@ -9,14 +9,14 @@ from pathlib import Path
 import typer
 
 from crankbase.input_file import STEP_ENDINGS
-from crankfem.files.reading.data_files import FOLDERS, InputKind, shipped_names, shipped_torques
+from crankfem.files.reading.data_files import KINDS, shipped_names, shipped_torques
 
 # Typer tells these functions apart by the names of their arguments.
 Completion = Callable[[str], list[str]]
 
 
 def files(
-    *endings: str, shipped: Iterable[InputKind] = (), further: Callable[[], tuple[str, ...]] = tuple
+    *endings: str, shipped: Iterable[str] = (), further: Callable[[], tuple[str, ...]] = tuple
 ) -> Completion:
     """Return the completion of files with these endings, folders on the way, and shipped files of kinds.
 
@@ -51,9 +51,8 @@ engines = files(".toml", shipped=("engine",))
 engines_and_parts = files(".toml", *STEP_ENDINGS, shipped=("engine",))
 engines_and_chains = files(".toml", ".txt", shipped=("engine", "chain"))
 engines_and_tables = files(".toml", ".csv", shipped=("engine",), further=shipped_torques)
-hinges = files(".toml", shipped=("hinge",))
-any_input = files(".toml", ".txt", shipped=FOLDERS)
-shipped = files(shipped=FOLDERS)
+any_input = files(".toml", ".txt", shipped=KINDS)
+shipped = files(shipped=KINDS)
 
 
 def sections(incomplete: str) -> list[str]:

@@ -12,6 +12,8 @@ from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json, print_table
+from crankfem.files.reading.data_files import KINDS
+from crankfem.files.satellites import satellite_files
 
 
 @with_output(files=True, units=True)
@@ -20,7 +22,8 @@ def check(
         str,
         typer.Argument(
             metavar="FILE.toml",
-            help="Engine, throw, hinge or chain file, or the name of a shipped one.",
+            help=f"Engine, {', '.join(['throw', *satellite_files()])} or chain file, or the name of "
+            "a shipped one.",
             autocompletion=completion.any_input,
         ),
     ],
@@ -62,7 +65,7 @@ NEXT = {
     "engine": "run",
     "mechanism": "mechanism",
     "throw": "throw",
-    "hinge": "hinge",
+    **{kind: files.command for kind, files in satellite_files().items()},
     "chain": "vibration",
 }
 
@@ -77,7 +80,7 @@ def new(
         typer.Option(
             "--from",
             metavar="NAME",
-            help="Copy this shipped engine, hinge or chain in place of the template.",
+            help=f"Copy this shipped {', '.join(KINDS[:-1])} or chain in place of the template.",
             autocompletion=completion.shipped,
         ),
     ] = None,

@@ -18,6 +18,7 @@ from crankfem.analyses.throw.formula_records import (
 )
 from crankfem.analyses.throw.throw_record import ReactionResults
 from crankfem.cli.arguments import angle_text
+from crankfem.files.satellites import satellite_files
 from regression.formulas.axial_formulas import (
     AXIAL_FORMULAS,
     FINITE_ELEMENTS,
@@ -307,11 +308,11 @@ def reaction_parts(results: ReactionResults, units: OutputUnits) -> Iterator[Tab
 
 
 FILE_KINDS = {
-    "engine": "It describes a whole engine",
-    "mechanism": "It describes cranks, rods and pistons, not a whole engine",
-    "throw": "It describes a throw, not an engine",
-    "hinge": "It describes an elastic hinge",
-    "chain": "It describes a chain of inertias and springs",
+    "engine": "describes a whole engine",
+    "mechanism": "describes cranks, rods and pistons, not a whole engine",
+    "throw": "describes a throw, not an engine",
+    **{kind: files.about for kind, files in satellite_files().items()},
+    "chain": "describes a chain of inertias and springs",
 }
 
 
@@ -360,7 +361,7 @@ def check_answer(record: Record) -> str:
     warnings = record["warnings"]
     warned = f"; {len(warnings)} warning{'s' if len(warnings) > 1 else ''}" if warnings else ""
     return (
-        f"{record['file']}: valid {record['kind']} file{counted}{warned}. {FILE_KINDS[record['kind']]}; "
+        f"{record['file']}: valid {record['kind']} file{counted}{warned}. It {FILE_KINDS[record['kind']]}; "
         f"use it with: {', '.join(record['commands'])}."
     )
 

@@ -3,21 +3,17 @@
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
-from typing import Literal
 
 from crankbase.errors import InputError
 from crankbase.input_file import LOOKED_AT
 from crankbase.model import InputModel
-from crankfem.files.reading.data_files import FOLDERS, InputKind, input_path, shipped_names
+from crankfem.files.reading.data_files import KINDS, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
+from crankfem.files.satellites import at_place, satellite_files
 
-FileKind = Literal["engine", "mechanism", "throw", "hinge", "chain"]
 # A file with none of these is not meant as a whole engine.
 ENGINE_SECTIONS = {"rod", "piston", "flywheel", "thrust_bearing"}
-# Sections that only hinge files have.
-HINGE_SECTIONS = {"sliding", "hinge", "operation"}
 
 
 @dataclass(frozen=True)
@@ -31,8 +27,7 @@ class EngineSection:
     @property
     def model(self) -> type[InputModel]:
         """Its model."""
-        module, name = self.place.split(":")
-        model: type[InputModel] = getattr(import_module(module, "crankfem.files"), name)
+        model: type[InputModel] = at_place(self.place, "crankfem.files")
         return model
 
 
@@ -83,10 +78,11 @@ SECTIONS = {
 }
 
 # A section that files of input have, at the beginning of a line.
-SECTION = re.compile(r"^\s*\[(?:engine|throw|throws\.\w+|chain|sliding|hinge)\]", re.MULTILINE)
+MARKS = "".join(f"|{mark}" for files in satellite_files().values() for mark in files.marks)
+SECTION = re.compile(rf"^\s*\[(?:engine|throw|throws\.\w+|chain{MARKS})\]", re.MULTILINE)
 
 
-def file_kind(content: TomlFile) -> FileKind:
+def file_kind(content: TomlFile) -> str:
     """Return the kind of a file, from its sections.
 
     A throw has no engine around it; a mechanism has cranks, rods and pistons, but no flywheel
@@ -95,8 +91,9 @@ def file_kind(content: TomlFile) -> FileKind:
     sections = set(content.sections)
     if "chain" in sections:
         return "chain"
-    if "throw" not in sections and sections & HINGE_SECTIONS:
-        return "hinge"
+    for kind, files in satellite_files().items():
+        if "throw" not in sections and sections & files.marks:
+            return kind
     if sections & {"throw", "throws"} and not sections & ENGINE_SECTIONS:
         return "throw"
     if {"engine", "rod", "piston"} <= sections and not sections & {"flywheel", "thrust_bearing"}:
@@ -114,8 +111,8 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
         one state of the file. Their records start anew.
     """
     content = source if isinstance(source, TomlFile) else read_toml(input_path(source))
-    if file_kind(content) == "hinge":
-        raise InputError(f"{content.path.name}: describes an elastic hinge; use it with hinge.")
+    if (files := satellite_files().get(file_kind(content))) is not None:
+        raise InputError(f"{content.path.name}: {files.about}; use it with {files.command}.")
     return replace(content, records=[])
 
 
@@ -142,8 +139,7 @@ def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> 
 def any_sections(file: str) -> TomlFile | None:
     """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain."""
     name = Path(file).name.removesuffix(".toml")
-    others: tuple[InputKind, ...] = ("hinge", "chain")
-    kinds = [kind for kind in others if name in shipped_names(kind)]
+    kinds = [kind for kind in KINDS if kind != "engine" and name in shipped_names(kind)]
     path = input_path(file, *kinds[:1])
     return read_toml(path) if path.suffix.lower() == ".toml" or _has_sections(path) else None
 
@@ -162,14 +158,14 @@ class ShippedFile:
     """A shipped file: its name, what it describes, a line about it."""
 
     name: str
-    kind: FileKind
+    kind: str
     about: str
     path: Path
 
 
 def shipped_files() -> tuple[ShippedFile, ...]:
     """Return all shipped files, engines first."""
-    paths = [input_path(name, kind) for kind in FOLDERS for name in shipped_names(kind)]
+    paths = [input_path(name, kind) for kind in KINDS for name in shipped_names(kind)]
     return tuple(
         ShippedFile(path.stem, file_kind(read_toml(path)), _about(path), path) for path in paths
     )

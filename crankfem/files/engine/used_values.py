@@ -10,6 +10,7 @@ from crankbase.errors import InputError
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.reading.toml_file import TomlFile
+from crankfem.files.satellites import called
 
 ALL = "*"
 THROW = ("throw", "throws", "shaft.throws")
@@ -110,14 +111,14 @@ WITH_MODEL = " --model"
 
 def command_use(name: str, arguments: Mapping[str, Any]) -> str:
     """Return what a command is called in `not_used`, by the name of its function, with these arguments."""
-    called = name.strip("_").replace("_", "-")
-    if called == "lookup":
-        return "lookup law" if str(arguments["model"]) == "law" else called
-    if called == "optimum":
+    command = called(name)
+    if command == "lookup":
+        return "lookup law" if str(arguments["model"]) == "law" else command
+    if command == "optimum":
         return _optimum_use(**arguments)
-    with_option = (f"{called} --{option}" for option, value in arguments.items() if value)
-    key = next((key for key in with_option if key in USES), called)
-    return key + WITH_MODEL if called in ("run", "vibration") and arguments["model"] else key
+    with_option = (f"{command} --{option}" for option, value in arguments.items() if value)
+    key = next((key for key in with_option if key in USES), command)
+    return key + WITH_MODEL if command in ("run", "vibration") and arguments["model"] else key
 
 
 def _optimum_use(

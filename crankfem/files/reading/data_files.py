@@ -9,11 +9,10 @@ from typing import Literal
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import InputFile, not_a_file
+from crankfem.files.satellites import satellite_files
 
-InputKind = Literal["engine", "hinge", "chain"]
-# Of each kind of input the folder of those that are shipped, and how a message calls a file.
-FOLDERS: dict[InputKind, str] = {"engine": "engines", "hinge": "hinges", "chain": "chains"}
-WORDS = {"engine": "an engine file", "hinge": "a hinge file", "chain": "a chain file"}
+# Kinds of input of which files are shipped.
+KINDS = ("engine", *satellite_files(), "chain")
 
 
 def data_folder() -> Path:
@@ -23,12 +22,12 @@ def data_folder() -> Path:
     return inside if inside.is_dir() else here.parent / "data"
 
 
-def shipped_names(*kinds: InputKind) -> tuple[str, ...]:
+def shipped_names(*kinds: str) -> tuple[str, ...]:
     """Return the names of the shipped files of some kinds, or of all."""
     return tuple(
         name
-        for kind in kinds or FOLDERS
-        for name in sorted(path.stem for path in (data_folder() / FOLDERS[kind]).glob("*.toml"))
+        for kind in kinds or KINDS
+        for name in sorted(path.stem for path in (data_folder() / f"{kind}s").glob("*.toml"))
     )
 
 
@@ -37,18 +36,18 @@ def shipped_torques() -> tuple[str, ...]:
     return tuple(sorted(path.name for path in (data_folder() / "tables").glob("*torque*.csv")))
 
 
-def input_path(file: str | Path, kind: InputKind = "engine") -> Path:
+def input_path(file: str | Path, kind: str = "engine") -> Path:
     """Find a file of input by path, or a shipped one by name."""
     if not isinstance(file, (str, os.PathLike)):
         raise InputError(
-            f"file: given {quoted(file)}; allowed is the path of {WORDS[kind]}, or the name of a shipped "
+            f"file: given {quoted(file)}; allowed is the path of {_called(kind)}, or the name of a shipped "
             "one."
         )
     path = Path(file)
     try:
         if path.is_file():
             return path
-        shipped = data_folder() / FOLDERS[kind] / f"{path.name.removesuffix('.toml')}.toml"
+        shipped = data_folder() / f"{kind}s" / f"{path.name.removesuffix('.toml')}.toml"
         if path.parent == Path() and shipped.is_file():
             return shipped
         fault = f"{file}: {not_a_file(path) or 'does not exist'}"
@@ -56,18 +55,23 @@ def input_path(file: str | Path, kind: InputKind = "engine") -> Path:
         fault = f"{file}: cannot be searched for; the system reports: {error.strerror}"
     others = [
         folder_kind
-        for folder_kind in FOLDERS
+        for folder_kind in KINDS
         if folder_kind != kind and path.name in shipped_names(folder_kind)
     ]
     if others:
-        fault = f"{file}: is {WORDS[others[0]].replace(' file', '')}, not {WORDS[kind]}"
+        fault = f"{file}: is {_called(others[0]).removesuffix(' file')}, not {_called(kind)}"
     if not str(file).strip():
         fault = '"": names no file'
     meant = did_you_mean(path.name.removesuffix(".toml"), shipped_names(kind), cutoff=0.7)
     raise InputError(
-        f"{fault}; {meant}give the path of {WORDS[kind]}, or the name of a shipped one "
+        f"{fault}; {meant}give the path of {_called(kind)}, or the name of a shipped one "
         f"({', '.join(shipped_names(kind))})."
     )
+
+
+def _called(kind: str) -> str:
+    """How a message calls a file of this kind."""
+    return f"{'an' if kind == 'engine' else 'a'} {kind} file"
 
 
 def torque_path(file: str | Path) -> Path:

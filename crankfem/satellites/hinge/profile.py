@@ -24,8 +24,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table
 from crankbase.quantity import RPM, format_quantity
 from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
-from dynamics.cycle import even_angles
-from dynamics.hinge.crosshead import (
+from crankfem.satellites.hinge.crosshead import (
     TURN,
     CrossheadEngine,
     GasForce,
@@ -36,6 +35,7 @@ from dynamics.hinge.crosshead import (
     reduced_crank,
     turn_integral,
 )
+from dynamics.cycle import even_angles
 from dynamics.plots.curves import FROM_TOP, KILO, MILLI, draw_over_angle
 from dynamics.turning.speed_over_angle import (
     SpeedOverAngle,

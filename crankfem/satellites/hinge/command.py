@@ -18,7 +18,7 @@ def hinge(
         typer.Argument(
             metavar="HINGE.toml",
             help="Hinge file, or the name of a shipped one.",
-            autocompletion=completion.hinges,
+            autocompletion=completion.files(".toml", shipped=("hinge",)),
         ),
     ] = "crosshead-30-100",
     speed: Annotated[
@@ -51,18 +51,18 @@ def hinge(
     """Calculate the guides of an elastic hinge for constant crank speed, and the speed left uneven."""
     from crankbase.choices import check_choice
     from crankbase.quantity import parse_quantity
-    from crankfem.analyses.hinge.hinge_run import (
+    from crankfem.analyses.record import with_units
+    from crankfem.cli.console import write_columns
+    from crankfem.jobs.outputs import check_outputs
+    from crankfem.satellites.hinge.crosshead import KINEMATICS
+    from crankfem.satellites.hinge.file import load_hinge
+    from crankfem.satellites.hinge.run import (
         FILES,
         SURFACE,
         hinge_columns,
         plot_hinge,
         run_hinge,
     )
-    from crankfem.analyses.record import with_units
-    from crankfem.cli.console import write_columns
-    from crankfem.files.hinge_file import load_hinge
-    from crankfem.jobs.outputs import check_outputs
-    from dynamics.hinge.crosshead import KINEMATICS
 
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
     loaded = load_hinge(file)

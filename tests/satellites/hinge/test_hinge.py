@@ -10,11 +10,9 @@ from scipy.integrate import solve_ivp
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.cycle import even_angles
-from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.rods import ConnectingRod
-from dynamics.hinge.crosshead import KINEMATICS, CrossheadEngine, reduced_crank
-from dynamics.hinge.profile import (
+from crankbase.frames import table_of
+from crankfem.satellites.hinge.crosshead import KINEMATICS, CrossheadEngine, reduced_crank
+from crankfem.satellites.hinge.profile import (
     GasSpring,
     best_pressure,
     check_roller,
@@ -27,6 +25,9 @@ from dynamics.hinge.profile import (
     smallest_hollow,
     steady_hinge_turn,
 )
+from dynamics.cycle import even_angles
+from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.rods import ConnectingRod
 
 ROD = ConnectingRod(1.55, 150.0, 0.8, 50.0)
 ENGINE = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, ROD, 150.0, 200.0, 110.0)
@@ -416,3 +417,10 @@ def test_refusals(point, turn_profile):
         best_pressure(point, turn_profile, bounds=(2.0, 1.0))
     with pytest.raises(InputError, match="between which the crank completes revolutions"):
         best_pressure(point, turn_profile, bounds=(0.1, 0.2))
+
+
+def test_checks_of_a_profile_make_a_table():
+    checks = hinge_profile(
+        hinge_moment(ENGINE, smooth_force, 9.32), GasSpring(0.031, 1.0, 5e6), 0.8
+    ).checks
+    assert list(table_of(checks)["met"]) == [check.met for check in checks]

@@ -15,9 +15,7 @@ from crankbase.summaries import summarized
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from crankfem.files.sections.mechanism_sections import given_of_cycle
-from dynamics.engine.rods import ConnectingRod
-from dynamics.gas.gas_cycle import name_fields
-from dynamics.hinge.crosshead import (
+from crankfem.satellites.hinge.crosshead import (
     CrossheadEngine,
     GasForce,
     Kinematics,
@@ -25,7 +23,7 @@ from dynamics.hinge.crosshead import (
     read_gas_force,
     two_stroke_cycle,
 )
-from dynamics.hinge.profile import (
+from crankfem.satellites.hinge.profile import (
     ComparedGuides,
     GasSpring,
     HingeMoment,
@@ -33,6 +31,8 @@ from dynamics.hinge.profile import (
     hinge_moment,
     hinge_profile,
 )
+from dynamics.engine.rods import ConnectingRod
+from dynamics.gas.gas_cycle import name_fields
 from dynamics.sample_tables import TableReading
 
 
@@ -388,9 +388,8 @@ class HingeFile:
 
 NEEDED = ("engine", "rod", "sliding", "hinge", "operation")
 KINDS = {
-    kind.section: kind for kind in (Crank, HingeRod, Sliding, Hinge, Cycle, Operation, Comparison)
+    kind.section: kind for kind in (Crank, HingeRod, Sliding, Hinge, Operation, Cycle, Comparison)
 }
-SECTIONS = {**dict.fromkeys(NEEDED, True), "cycle": False, "comparison": False}
 
 
 def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
@@ -420,7 +419,7 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
 
 
 def _read_hinge(content: TomlFile) -> HingeFile:
-    content.check_sections(SECTIONS)
+    content.check_sections({section: section in NEEDED for section in KINDS})
     crank, rod = content.required("engine", Crank), content.required("rod", HingeRod)
     sliding, hinge = content.required("sliding", Sliding), content.required("hinge", Hinge)
     engine = CrossheadEngine(

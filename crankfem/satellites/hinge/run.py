@@ -28,9 +28,9 @@ from crankbase.quantity import RPM, format_quantity, percent
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.table import SI, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import AssumedInput, assumed_values
-from crankfem.files.hinge_file import HingeFile
-from dynamics.hinge.crosshead import KINEMATICS, Kinematics
-from dynamics.hinge.profile import (
+from crankfem.satellites.hinge.crosshead import KINEMATICS, Kinematics
+from crankfem.satellites.hinge.file import HingeFile
+from crankfem.satellites.hinge.profile import (
     BestPressure,
     ComparedGuides,
     GasSpring,

@@ -1,1 +1,0 @@
-"""The elastic hinge of a two-stroke engine."""

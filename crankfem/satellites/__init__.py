@@ -1,0 +1,1 @@
+"""What stands apart, each in a folder of its own; `crankfem.files.satellites` names them."""
