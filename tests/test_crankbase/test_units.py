@@ -15,6 +15,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
 from crankbase.quantity import parse_quantity
+from crankbase.units import unit_registry
 from dynamics.chains.varying import Variation
 
 G, LB, INCH, FT = 9.80665, 0.45359237, 0.0254, 0.3048
@@ -400,3 +401,9 @@ def test_frequencies_of_a_table_are_the_same_in_any_unit():
     for text in written:
         read = Variation.from_text(values | {"frequency": ["0 Hz", text]})
         assert read.frequency == close((0.0, 20.0), rel=1e-14)
+
+
+def test_nothing_of_pint_is_defined_anew(caplog):
+    """Which it would log, in the service's log too."""
+    unit_registry.__wrapped__()
+    assert caplog.records == []
