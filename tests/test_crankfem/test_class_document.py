@@ -2,6 +2,7 @@
 
 import csv
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -241,6 +242,11 @@ def test_findings_say_what_the_tables_hold(plant, cases):
     assert "order 5 in mode 2 at 100.4 1/min" in said[3]
     (row,) = parts["barred"].tables[0].table.rows
     assert [speed * RPM for speed in row[:2]] == close([61.80, 72.81], rel=1e-3)
+    # What is undecided comes before the verdict with the values used.
+    decided = replace(plant.assessment.decision, status="undecided", sentence="give this")
+    open_ = replace(plant, assessment=replace(plant.assessment, decision=decided))
+    headline = class_document(open_)[0].sentences[0]
+    assert headline.startswith("Undecided: give this. With the values used, barred range needed, ")
 
 
 TABLES = [

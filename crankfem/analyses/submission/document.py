@@ -36,7 +36,6 @@ from dynamics.plots.curves import quantity_display
 from dynamics.plots.harmonics import draw_star, finish_stars
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from dynamics.torque import same_stars
-from dynamics.wording import undecided_sentence
 
 # Stars in a row of a picture, and mode shapes in one picture.
 STARS_IN_ROW, SHAPES = 5, 3
@@ -218,7 +217,7 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
             write_title(axes, "")
 
     return (
-        _findings(run, cases, verdict),
+        _findings(run, cases),
         DocumentPart(
             "plant",
             "System data and plant",
@@ -279,11 +278,9 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
     )
 
 
-def _findings(run: EngineVibration, cases: FiringCases, verdict: Verdict) -> DocumentPart:
+def _findings(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     assert run.assessment is not None
-    decision = run.assessment.decision
-    open_ = (undecided_sentence(decision.sentence),) if decision.status == "undecided" else ()
-    sentences = [verdict.sentence, *open_]
+    sentences = [run.assessment.conclusion]
     for way in cases.failing:
         places = cases.normal[STRESS].names
         name = max(places, key=lambda place: cases.worst(way, STRESS, place).severity)
