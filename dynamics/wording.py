@@ -192,6 +192,11 @@ def range_ends(
     return "; ".join(parts)
 
 
+def narrow_between(low: float, high: float) -> str:
+    """Remark that two ranges to be barred leave too little between them [rad/s]."""
+    return f"{shown_range(low, high)}, between two ranges to be barred, is too narrow to run in"
+
+
 def begins_below(low: float, begins: float) -> str:
     """State from where a range is passed that begins below the running range; nothing if it does not."""
     if begins <= low:

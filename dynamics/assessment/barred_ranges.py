@@ -119,6 +119,8 @@ BARRED_SOURCE = (
 )
 
 USUAL_HIGHEST_RATIO = 0.8
+# A range is one to run in from this width on, as a share of its speed, or half of the running range's.
+USABLE = 0.05
 # Of the distance of two speeds, to find where a limit is met between them: so many parts, so often.
 PARTS, ROUNDS = 256, 5
 
@@ -296,6 +298,12 @@ def barred_ranges(
         groups[-1].append(item)
         reach = max(reach, item.high)
     return tuple(_barred(group, findings, rule, running_range, full_load) for group in groups)
+
+
+def is_usable(span: tuple[float, float], running_range: tuple[float, float]) -> bool:
+    """Return whether a range of running speeds is wide enough to keep an engine in it."""
+    low, high = running_range
+    return span[1] >= span[0] * (1.0 + min(USABLE, 0.5 * (high / low - 1.0)))
 
 
 def limit_end_speed(limit: VibrationLimit, running_range: tuple[float, float]) -> float:

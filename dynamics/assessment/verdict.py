@@ -29,6 +29,7 @@ from dynamics.assessment.barred_ranges import (
     BarredRange,
     BarredRangeRule,
     barred_ranges,
+    is_usable,
     limit_end_speed,
 )
 from dynamics.assessment.limits import (
@@ -46,6 +47,7 @@ from dynamics.response.peak_cause import PeakCause
 from dynamics.wording import (
     check_sentence,
     limit_at,
+    narrow_between,
     shown_range,
     speed_text,
     use_in_words,
@@ -420,6 +422,8 @@ def judge(
     below = tuple(span for span in ranges if span.position == "below")
     noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
     noted += [f"{span.shown}: {text}" for span in ranges for text in span.remarks]
+    between = [(below[1], above[0]) for below, above in pairwise(ranges_to_bar(ranges))]
+    noted += [narrow_between(*strip) for strip in between if not is_usable(strip, (low, high))]
     for limit, _ in findings:
         if not at_most(high, limit.continuous.high):
             stated = speed_text(limit.continuous.high)

@@ -33,7 +33,7 @@ from dynamics.response.linear_system import damped
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
-from dynamics.wording import limit_at, speed_text
+from dynamics.wording import limit_at, shown_range, speed_text
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
 RUNNING = (30.0, 100.0)
@@ -205,6 +205,16 @@ def test_what_makes_a_barred_range_decides_though_its_peak_is_below_the_running_
     check = verdict.deciding
     assert (check.curve.name, check.passing) == ("coupling", False)
     assert check.used > 1.0
+
+
+@pytest.mark.parametrize(("at", "told"), [(55.0, True), (57.0, False)])
+def test_a_strip_between_two_barred_ranges_is_told_where_nothing_can_run_in_it(at, told):
+    curves = [(CRANKSHAFT, other("shaft", top, 50e6)) for top in (45.0, at)]
+    verdict = judge(curves, RUNNING, RULE)
+    (_, low), (high, _) = verdict.ranges_to_bar
+    assert (high < 1.05 * low) == told
+    sentence = f"{shown_range(low, high)}, between two ranges to be barred, is too narrow to run in"
+    assert (sentence in verdict.remarks) == told
 
 
 def test_below_the_running_range_nothing_is_barred_but_passed():

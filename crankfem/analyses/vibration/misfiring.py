@@ -27,6 +27,7 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics import wording
+from dynamics.assessment.barred_ranges import is_usable
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.assessment.response_curves import (
     largest_amplitude,
@@ -265,8 +266,6 @@ def worst_of(
 SUMMED = ("tangential", "radial", "mean_tangential", "mean_radial")
 # Speeds that leave a smaller share of the speed between them leave none to run at.
 NARROW = 5e-3
-# A range is one to run in from this width on, as a share of its speed, or half of the running range's.
-USABLE = 0.05
 # An end of a range is sought at so many speeds between two calculated ones, and so often closer.
 PARTS, ROUNDS = 16, 3
 # Share of a limit by which misfiring uses more of it than normal firing, where that counts as new.
@@ -319,10 +318,8 @@ class Misfiring(Result):
 
     @cached_property
     def advised(self) -> Annotated[SpeedRanges, Quantity("rad/s", exported="1/min")]:
-        """Those of the ranges that remain in which an engine can be kept: at least `USABLE` wide."""
-        low, high = self.running_range
-        least = 1.0 + min(USABLE, 0.5 * (high / low - 1.0))
-        return tuple((first, last) for first, last in self.remaining if last >= least * first)
+        """Those of the ranges that remain in which an engine can be kept."""
+        return tuple(span for span in self.remaining if is_usable(span, self.running_range))
 
     @property
     def worst(self) -> FiringCheck:
