@@ -87,7 +87,7 @@ READ = (
     "path",
     "rated_speed [rad/s]",
     "layout.cylinders",
-    "throw_angles_deg [deg]",
+    "rotation_angles_deg [deg]",
     "remarks",
     "warnings",
 )
@@ -114,7 +114,7 @@ class MechanismFile:
         Sections of the file; of several throws the one at the free end.
     crank_throws : tuple of CrankThrow
         Throw of each crank, from the free end.
-    throw_angles_deg : tuple of float
+    rotation_angles_deg : tuple of float
         Angle of each throw from the first, in the sense of rotation [deg].
     throws : tuple of int
         Throw that each cylinder works on, from 0.
@@ -146,7 +146,7 @@ class MechanismFile:
     throw: CrankThrow
     crank_throws: tuple[CrankThrow, ...]
     material: Material
-    throw_angles_deg: tuple[float, ...]
+    rotation_angles_deg: tuple[float, ...]
     throws: tuple[int, ...]
     turning_sense: int
     gas: Gas | None
@@ -321,7 +321,7 @@ def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
         power=power,
         rated_speed=rated,
         throw=file.crank_throws[0],
-        throw_angles_deg=tuple(sense * angle for angle in file.throw_angles_deg),
+        rotation_angles_deg=tuple(sense * angle for angle in file.throw_angles_deg),
         turning_sense=sense,
         attached_inertia=sum(attached),
         remarks=_remarks(file),
@@ -420,7 +420,7 @@ def with_throws(
     ):
         moments, angle = (
             unbalance(masses_of_throw, 0.0),
-            math.radians(mechanism.throw_angles_deg[number]),
+            math.radians(mechanism.rotation_angles_deg[number]),
         )
         # Real and imaginary part lie along +y and against +x, as in the layout's frame.
         static = complex(moments.static[1], -sense * moments.static[0])

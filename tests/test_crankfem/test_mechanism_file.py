@@ -259,7 +259,7 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
     masses = MassProperties(100.0, np.array([0.02, -0.01, 0.18]), inertia)
     layout = with_throws(mechanism, masses)
     sense, length = mechanism.turning_sense, mechanism.throw.length
-    for number, angle in enumerate(np.radians(mechanism.throw_angles_deg)):
+    for number, angle in enumerate(np.radians(mechanism.rotation_angles_deg)):
         found = unbalance(
             masses.moved(angle_deg=math.degrees(sense * angle), along=number * length), 0.0
         )
@@ -274,7 +274,7 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
             ((phasors * places).sum(), found.dynamic),
         ):
             assert values == close(complex(expected[1], -sense * expected[0]), abs=1e-9)
-    about_shaft = len(mechanism.throw_angles_deg) * masses.inertia_about_shaft
+    about_shaft = len(mechanism.rotation_angles_deg) * masses.inertia_about_shaft
     assert layout.shaft_inertia == close(about_shaft + mechanism.attached_inertia)
     flywheel_and_free_end = {"8chn13-14": 2.66, "6chn25-34": 452.0}[name]
     assert mechanism.attached_inertia == close(flywheel_and_free_end)

@@ -317,7 +317,7 @@ def test_a_v_engine_with_split_pins_has_throws_by_name_too(tmp_path):
     )
     plain, found = load_mechanism("buick-3800"), load_mechanism(path)
     assert found.layout == plain.layout
-    assert found.throw_angles_deg == plain.throw_angles_deg
+    assert found.rotation_angles_deg == plain.rotation_angles_deg
     assert with_throws(found) == with_throws(plain)
     assert load_crankshaft(path) == load_crankshaft("buick-3800")
 

@@ -219,7 +219,7 @@ def engine_balance(run: MechanismRun) -> EngineBalance:
 def _throws(run: MechanismRun) -> Iterator[ThrowBalance]:
     mechanism, layout = run.mechanism, run.layout
     for number, throw in enumerate(mechanism.crank_throws):
-        towards = cmath.rect(1.0, -math.radians(mechanism.throw_angles_deg[number]))
+        towards = cmath.rect(1.0, -math.radians(mechanism.rotation_angles_deg[number]))
         rods = sum(
             mass.rotating
             * layout.crank_radius
