@@ -27,8 +27,6 @@ from crankfem import studies as studies
 from crankfem import throws as throws
 from crankfem import torque as torque
 from crankfem import transient as transient
-from crankfem.analyses.engine_mechanism import MechanismFile as MechanismFile
-from crankfem.analyses.engine_mechanism import load_mechanism as load_mechanism
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun as MechanismRun
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism as run_mechanism
 from crankfem.analyses.shaft.whole_shaft import WholeShaft as WholeShaft
@@ -40,6 +38,7 @@ from crankfem.analyses.vibration.run import engine_vibration as engine_vibration
 from crankfem.files.chain.chain_file import load_chain as load_chain
 from crankfem.files.engine.engine_file import EngineFile as EngineFile
 from crankfem.files.engine.engine_file import load_engine as load_engine
+from crankfem.files.engine.engine_file import load_mechanism as load_mechanism
 from crankfem.files.engine.throw_file import load_crankshaft as load_crankshaft
 from crankfem.files.engine.throw_file import load_throw as load_throw
 from crankfem.files.sections.excitation_sections import load_torque_table as load_torque_table

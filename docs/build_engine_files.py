@@ -85,7 +85,7 @@ damped.save("damped.toml")  # with sources; replaces no file that it has not wri
 
 Each section takes its changed fields in SI units, a whole section, or None to be left out; named throws as
 `throws={"heavy": {"web_thickness": 0.03}}`. Changes are checked as a file is. `cf.engine_vibration(damped)`
-calculates it; `cf.engines.mechanism_of(engine)` is its mechanism, for `cf.run_mechanism`.
+and `cf.run_mechanism(damped)` calculate it.
 
 ## All sections
 

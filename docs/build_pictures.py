@@ -9,11 +9,11 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 
 import crankfem as cf
-from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.hinged_rods import piston_names
 from crankfem.analyses.mechanism.plots import picture_torque_table, plot_model_difference
 from crankfem.analyses.mechanism.rod_models import model_difference
 from crankfem.analyses.throw.pictures.drawing import write_drawing
+from crankfem.files.engine.engine_file import load_mechanism
 from crankfem.report.interactive.vibration import VIBRATION
 
 HERE = Path(__file__).parent

@@ -9,7 +9,7 @@ print(table.source)
 given = table.harmonics()
 
 file = cf.load_mechanism("yamz-5340")
-torque = cf.engine_torque(file.layout, file.rated_speed, file.pressure)
+torque = cf.engine_torque(file.layout, file.engine.rated_speed, file.pressure)
 found = torque.harmonics(1)  # of the first throw
 
 print(f"mean: {given.mean:.1f} N m tabulated, {found.mean:.1f} N m calculated")

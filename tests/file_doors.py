@@ -316,7 +316,7 @@ def rest_of_run(file: Path) -> Answer:
                 json.loads(json.dumps(checked(inputs.engine_file.two_mass, harmonics).to_record()))
             )
     if inputs.engine_file.strength is not None:
-        strength = engine_strength(vibration_of(file), mechanism=inputs.mechanism)
+        strength = engine_strength(vibration_of(file))
         answer.append(_plain(json.loads(json.dumps(strength.to_record()))))
     return Answer(answer, named_by(file, "run"))
 

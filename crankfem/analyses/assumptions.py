@@ -4,11 +4,12 @@ from collections.abc import Iterable
 
 from crankbase.model import field_extra
 from crankbase.quantity import compact, format_quantity
-from crankfem.analyses.engine_mechanism import MechanismFile, by_gas, mechanism_of
 from crankfem.analyses.shaft.chains import flywheel_overhang
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import SECTIONS
+from crankfem.files.engine.full_load import by_gas
 from crankfem.files.reading.toml_file import InputRecord
+from crankfem.files.sections.engine_sections import Flywheel
 from dynamics.assessment.limit_rules import (
     BASE_STRENGTH,
     BASE_YIELD,
@@ -48,31 +49,28 @@ EFFECTS = {
 }
 
 
-def input_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
+def input_values(file: EngineFile) -> tuple[InputRecord, ...]:
     """Return every value of a file, and every value that is assumed where the file gives none.
 
     Parameters
     ----------
-    file : EngineFile or MechanismFile
-        For a mechanism, only the values that its forces depend on.
+    file : EngineFile
+        For a mechanism alone, only the values that its forces depend on.
 
     Returns
     -------
     tuple of InputRecord
         Those of the file first. Each field is the one that can give the value.
     """
-    engine = file if isinstance(file, EngineFile) else None
-    mechanism = mechanism_of(engine) if engine is not None else file
-    assert isinstance(mechanism, MechanismFile)
     given = {record.field for record in file.records}
-    records = [*_of_mechanism(mechanism, given)]
-    if engine is not None:
-        records += [*_of_shaft(engine, given), *_of_damping(engine), *_of_limits(engine)]
-    own = [record for record in file.records if _matters(record, mechanism, engine)]
+    records = [*_of_mechanism(file, given)]
+    if file.whole:
+        records += [*_of_shaft(file, given), *_of_damping(file), *_of_limits(file)]
+    own = [record for record in file.records if _matters(record, file)]
     return (*own, *records)
 
 
-def assumed_values(file: EngineFile | MechanismFile) -> tuple[InputRecord, ...]:
+def assumed_values(file: EngineFile) -> tuple[InputRecord, ...]:
     """Return the values that a file leaves open or marks as assumed, each with its reason.
 
     Returns
@@ -94,15 +92,15 @@ def is_assumed(engine_file: EngineFile, field: str) -> bool:
     return all(record.assumed for record in engine_file.records if record.field == field)
 
 
-def _matters(record: InputRecord, mechanism: MechanismFile, engine: EngineFile | None) -> bool:
+def _matters(record: InputRecord, file: EngineFile) -> bool:
     """Whether a default affects a result; values of the file are always listed."""
     if record.source != "default":
         return True
     if record.field in ("engine.drives", "gas.compression_ratio"):
         # A cylinder compresses by the ratio while it misfires, with a pressure table too.
-        return mechanism.power is None or not mechanism.power.driven
+        return file.power is None or not file.power.driven
     if record.field == "gas_map.rated_load":
-        return engine is None or engine.gas_map is None or engine.gas_map.law is not None
+        return file.gas_map is None or file.gas_map.law is not None
     return True
 
 
@@ -114,7 +112,7 @@ def _assumed(field: str, given: str, reason: str) -> InputRecord:
     return InputRecord(field, given, meaning, symbol, reason, assumed=True, effect=effect)
 
 
-def _of_mechanism(file: MechanismFile, given: set[str]) -> Iterable[InputRecord]:
+def _of_mechanism(file: EngineFile, given: set[str]) -> Iterable[InputRecord]:
     """Basis of motion, masses and gas pressure."""
     layout, material = file.layout, file.material
     if "material.density" not in given and material == STEEL:
@@ -192,7 +190,7 @@ def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
             "1e10 N/m per m of journal diameter, an order of magnitude",
         )
         yield _assumed("bearings.damping", "0 N s/m", "oil films are left out")
-    flywheel = engine.flywheel
+    flywheel = engine.required(Flywheel)
     if flywheel.diametral_inertia is None:
         value = format_quantity(0.5 * flywheel.inertia, "kg m^2")
         yield _assumed(

@@ -11,7 +11,7 @@ import numpy as np
 from crankbase.model import field_extra
 from crankbase.results import Quantity, Result, Speed, made_from, result
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.engine_mechanism import MechanismFile, load_any, mechanism_of
+from crankfem.analyses.engine_mechanism import input_warnings, load_any
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.shaft.sources import chosen_regressions, refused
 from crankfem.analyses.study.nominal_throw import outside_study
@@ -29,7 +29,7 @@ from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.satellites import at_place, satellite_files
 from crankfem.files.sections.crank_throws import PLAIN, ShaftLayout
-from crankfem.files.sections.engine_sections import Engine
+from crankfem.files.sections.engine_sections import Engine, ThrustBearing
 from dynamics.chains.coupling_damping import in_all_conventions
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
@@ -52,7 +52,7 @@ def refuse_what_cannot_run(engine_file: EngineFile, content: TomlFile | None = N
         With one sentence that names the field, what was given and what is allowed.
     """
     with nullcontext() if content is None else content.with_lines():
-        _ = refuse_forced_vibration(engine_file)
+        refuse_forced_vibration(engine_file)
         _refuse_study(engine_file)
         if engine_file.torque_table is not None:
             _ = read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)
@@ -191,10 +191,8 @@ def _checked(given: str | TomlFile, content: TomlFile | None) -> CheckedFile:
         of_study = tuple(study_warnings(study))
     if isinstance(read, ThrowFile):
         checked = _throw(read, content)
-    elif isinstance(read, MechanismFile):
-        checked = _mechanism(read, content)
     else:
-        checked = _engine(read, content)
+        checked = _engine(read, content) if read.whole else _mechanism(read, content)
     return replace(checked, warnings=(*checked.warnings, *of_study))
 
 
@@ -293,20 +291,20 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
     )
 
 
-def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
+def _mechanism(read: EngineFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if "study" in content.sections else ()
     gas = (_without_gas(),) if read.power is None else _power(read)
     return CheckedFile(
         read.path,
         "mechanism",
-        read.name,
+        read.engine.name,
         tuple(content.sections),
         (*MECHANISM_COMMANDS, *_lookup(read.throw, read.material), *study),
         input_values(read),
         read.throw,
-        _arrangement(Engine.from_text(content.sections["engine"])),
+        _arrangement(read.engine),
         (*read.remarks, *gas, *_of_tables(read)),
-        read.warnings,
+        input_warnings(read),
         _in_mechanism(read, content),
         read.material,
     )
@@ -317,7 +315,7 @@ def _lookup(throw: CrankThrow, material: Material) -> tuple[str, ...]:
     return () if law_results(throw, material).answers is None else ("lookup",)
 
 
-def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThrow]:
+def _in_mechanism(read: EngineFile, content: TomlFile) -> dict[str, CrankThrow]:
     """The throws of a mechanism by name."""
     names = content.sections.get("shaft", {}).get("throws", ())
     return dict(zip(names, read.crank_throws, strict=False))
@@ -326,9 +324,7 @@ def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThro
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     refuse_what_cannot_run(read, content)
     study = ("doe",) if read.study is not None else ()
-    mechanism = mechanism_of(read)
-    remarks = [_thrust_bearing(read), *mechanism.remarks, *_power(mechanism)]
-    remarks += _of_tables(mechanism)
+    remarks = [_thrust_bearing(read), *read.remarks, *_power(read), *_of_tables(read)]
     if read.torque_table is not None:
         torque = read_torque_table(read.torque_table, strokes=read.engine.strokes)
         remarks += [f"torque.table: {remark}" for remark in torque.remarks]
@@ -375,7 +371,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         read.throw,
         _arrangement(read.engine),
         tuple(remarks),
-        mechanism.warnings,
+        input_warnings(read),
         dict(read.throws_by_name),
         read.material,
     )
@@ -395,21 +391,21 @@ def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
 
 def _thrust_bearing(read: EngineFile) -> str:
     """State which bearing is meant."""
-    place, count = read.thrust_bearing.main_bearing, len(read.throw_angles_deg) + 1
+    place, count = read.required(ThrustBearing).main_bearing, len(read.throw_angles_deg) + 1
     return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
 
 
-def _power(mechanism: MechanismFile) -> tuple[str, ...]:
-    """What is said of the power; one that does not fit is a warning of the mechanism already."""
-    power = mechanism.power
+def _power(read: EngineFile) -> tuple[str, ...]:
+    """What is said of the power; one that does not fit is a warning already."""
+    power = read.power
     return () if power is None or not power.consistent else (power.sentence,)
 
 
-def _of_tables(mechanism: MechanismFile) -> list[str]:
+def _of_tables(read: EngineFile) -> list[str]:
     """State what was done to the samples of a pressure table."""
-    if mechanism.gas is None or mechanism.gas.pressure_table is None:
+    if read.gas is None or read.gas.pressure_table is None:
         return []
-    return [f"gas.pressure_table: {remark}" for remark in mechanism.pressure[0].changes]
+    return [f"gas.pressure_table: {remark}" for remark in read.pressure[0].changes]
 
 
 def _without_gas() -> str:

@@ -1,7 +1,7 @@
 """Public names of this topic and their homes."""
 
 from crankfem.analyses.assumptions import assumed_values as assumed_values
-from crankfem.analyses.engine_mechanism import mechanism_of as mechanism_of
+from crankfem.analyses.engine_mechanism import input_warnings as input_warnings
 from crankfem.analyses.vibration.assessment import Assessment as Assessment
 from crankfem.analyses.vibration.assessment import Uncertainty as Uncertainty
 from crankfem.analyses.vibration.engine_excitation import EngineLoad as EngineLoad

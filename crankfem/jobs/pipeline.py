@@ -112,7 +112,7 @@ def run_engine(
     reporter.step("Reading the engine file")
     check_workers(workers)
     inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
-    for warning in inputs.mechanism.warnings:
+    for warning in inputs.warnings:
         reporter.warn(f"{warning}.")
     path = inputs.engine_file.path
     folder = Path(f"{path.stem}-results" if output is None else output)
@@ -156,7 +156,7 @@ def _compute(
     inputs: RunInputs, store: Path, workers: int, reporter: TimedProgress, renderings: Renderings
 ) -> RunComputation:
     """Compute all numbers of a run; only the store of its study is written to."""
-    engine_file, with_gas = inputs.engine_file, inputs.with_gas
+    engine_file = inputs.engine_file
     reporter.step(
         "Analyzing the throw" if len(engine_file.named_throws) == 1 else "Analyzing the throws"
     )
@@ -174,7 +174,7 @@ def _compute(
             lambda folder: StressRendering(shown, folder),
         )
     along = [analyses[name].masses for name in engine_file.throw_names]
-    mechanism = None if with_gas is None else run_mechanism(with_gas, masses=along)
+    mechanism = run_mechanism(engine_file, masses=along) if engine_file.pressure else None
 
     study = None
     if inputs.study is not None:
@@ -188,7 +188,6 @@ def _compute(
     vibration = engine_vibration(
         engine_file,
         analysis=analyses,
-        mechanism=inputs.mechanism,
         model=model,
         coupled=True,
         step=reporter.step,
@@ -201,11 +200,11 @@ def _compute(
             for name, throw_answer in throws.items()
             if throw_answer.stresses is not None
         }
-        strength = engine_strength(vibration, mechanism=inputs.mechanism, stresses=known)
+        strength = engine_strength(vibration, stresses=known)
         if strength.warning:
             reporter.note(strength.warning)
         reporter.step("Calculating stresses over the cycle")
-        fatigue, fatigue_note = fatigue_or_reason(vibration, strength, known, inputs.mechanism)
+        fatigue, fatigue_note = fatigue_or_reason(vibration, strength, known)
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
     reporter.stop()
     return RunComputation(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from crankfem.analyses.engine_mechanism import MechanismFile, engine_inputs, mechanism_of
+from crankfem.analyses.engine_mechanism import engine_inputs, input_warnings
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.provenance import UsedFile, used_files
@@ -28,8 +28,8 @@ class RunInputs:
 
     Attributes
     ----------
-    mechanism : MechanismFile
-        Of the same file.
+    warnings : tuple of str
+        Of what is far outside of practice.
     torque : TorqueTable or None
         The table that the file names.
     paths : tuple of Path
@@ -44,7 +44,7 @@ class RunInputs:
     """
 
     engine_file: EngineFile
-    mechanism: MechanismFile
+    warnings: tuple[str, ...]
     torque: TorqueTable | None
     paths: tuple[Path, ...]
     files: tuple[UsedFile, ...]
@@ -62,11 +62,6 @@ class RunInputs:
         """The study to run; none beside a saved model, which is used in its place."""
         return self.engine_file.study if self.model is None else None
 
-    @property
-    def with_gas(self) -> MechanismFile | None:
-        """The mechanism, if its gas pressure is known."""
-        return self.mechanism if self.mechanism.pressure else None
-
 
 def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> RunInputs:
     """Read an engine file, or a shipped engine, and the tables that it names.
@@ -81,7 +76,6 @@ def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> Run
     content = engine_sections(engine)
     engine_file = load_engine(content if model is None else with_model(content, model))
     refuse_what_cannot_run(engine_file, content)
-    mechanism = mechanism_of(engine_file)
     torque, table = None, engine_file.torque_table
     if table is not None:
         torque = read_torque_table(table, strokes=engine_file.engine.strokes)
@@ -89,7 +83,7 @@ def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> Run
     files = used_files(read)
     return RunInputs(
         engine_file,
-        mechanism,
+        input_warnings(engine_file),
         torque,
         tuple(file.path for file in read),
         files,

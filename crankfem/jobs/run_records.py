@@ -47,7 +47,7 @@ def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
         about=provenance(),
         engine=_engine_facts(engine_file),
         inputs=input_values(engine_file),
-        input_warnings=tuple(computed.inputs.mechanism.warnings),
+        input_warnings=computed.inputs.warnings,
         sources=engine_file.sources,
         throw=first.throw,
         formulas=first.formulas,
@@ -141,9 +141,10 @@ def _formulas(computed: RunComputation, name: str, analysis: ThrowAnalysis) -> F
 
 def _radial_force(inputs: RunInputs) -> float:
     """Radial force at firing top dead center: gas pressure on the piston [N]."""
-    if inputs.with_gas is None:
+    pressures = inputs.engine_file.pressure
+    if not pressures:
         return UNIT_RADIAL_FORCE
-    above = max(pressure.peak_pressure for pressure in inputs.with_gas.pressure) - ATMOSPHERE
+    above = max(pressure.peak_pressure for pressure in pressures) - ATMOSPHERE
     return above * math.pi / 4.0 * inputs.engine_file.engine.bore**2
 
 

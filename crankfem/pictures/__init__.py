@@ -6,7 +6,7 @@
 >>> file = cf.load_mechanism("6chn25-34")
 >>> with tempfile.TemporaryDirectory() as folder:
 ...     path = Path(folder) / "balance.svg"
-...     cf.pictures.plot_balance(path, cf.balance(file.layout, file.rated_speed))
+...     cf.pictures.plot_balance(path, cf.balance(file.layout, file.engine.rated_speed))
 ...     path.exists()
 True
 

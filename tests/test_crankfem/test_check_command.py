@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
+from crankfem.analyses.engine_mechanism import input_warnings
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.strength.cycle_loads import supported_throws
@@ -34,7 +34,7 @@ from crankfem.analyses.vibration.engine_limits import (
     unmodeled_plant,
 )
 from crankfem.files.chain.chain_file import load_chain
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.engine.new_file import IN_LINE, engine_template, even_v_angle_deg
 from crankfem.files.engine.throw_file import load_throw_file
@@ -543,7 +543,7 @@ def cheap_part(path):
     inputs = read_inputs(path)
     engine = inputs.engine_file
     with pytest.raises(ReachedError):
-        vibration_run.engine_vibration(engine, mechanism=inputs.mechanism)
+        vibration_run.engine_vibration(engine)
     masses = SimpleNamespace(inertia_about_shaft=1.0)
     shaft_surroundings(engine, dict.fromkeys(engine.named_throws, SimpleNamespace(masses=masses)))
     compared_quantities(engine)
@@ -552,13 +552,13 @@ def cheap_part(path):
         assert isinstance(
             (*engine.ranges.axial_spreads(), *engine.ranges.torsional_spreads()), tuple
         )
-    if inputs.with_gas is None and engine.gas_map is None:
+    if not engine.pressure and engine.gas_map is None:
         return
-    harmonics = engine_harmonics(engine, inputs.mechanism)
+    harmonics = engine_harmonics(engine)
     forces_over_speeds(engine, harmonics, np.array([0.9, 1.0]) * engine.engine.rated_speed)
-    engine_load(engine, inputs.mechanism)
+    engine_load(engine)
     if engine.strength is not None:
-        supported_throws(engine, mechanism=inputs.mechanism)
+        supported_throws(engine)
         for throw in engine.crank_throws:
             throw_webs(throw, engine.strength)
             shrink_fit(throw, engine.strength, 1.0, engine.material.youngs_modulus)
@@ -694,7 +694,7 @@ def test_new_files_are_read_without_warnings(tmp_path, cylinders, strokes, v_ang
     path = tmp_path / "new.toml"
     path.write_text(engine_template(path.name, cylinders, strokes, v_angle), encoding="utf-8")
     read = load_engine(path)
-    assert mechanism_of(read).warnings == ()
+    assert input_warnings(read) == ()
     steps = read.engine.firing_intervals_deg
     assert len(steps) == cylinders
     even = v_angle is None or (v_angle == "even" and (cylinders, strokes) != (2, 4))

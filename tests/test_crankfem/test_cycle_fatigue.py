@@ -8,7 +8,6 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.strength import cycle_fatigue
 from crankfem.analyses.strength import cycle_loads as loads_module
 from crankfem.analyses.strength.cycle_fatigue import (
@@ -62,7 +61,7 @@ def found(vibration, stresses):
 def loads(vibration):
     """At three speeds, firing and while cylinder 4 misfires."""
     speeds = vibration.forced_torsional.response.speeds[[0, 60, 130]]
-    both = cycle_loads(vibration, mechanism_of(vibration.engine_file), speeds, [(), (4,)])
+    both = cycle_loads(vibration, speeds, [(), (4,)])
     return {one.cylinders: one for one in both}
 
 
@@ -108,7 +107,7 @@ def test_pin_forces_and_torques_agree_whichever_way_the_shaft_turns(vibration, s
     own = replace(vibration, engine_file=file.changed(engine={"firing_order": (first, *others)}))
     assert own.engine_file.engine.turning_sense == sense
     slow = vibration.forced_torsional.response.speeds[:1]
-    (loads,) = cycle_loads(own, mechanism_of(own.engine_file), slow, [()])
+    (loads,) = cycle_loads(own, slow, [()])
     radius = own.engine_file.throw.crank_radius
     taken = np.ptp(loads.pins[:, 0, :, 5], axis=1)
     assert np.all(taken < 0.1 * (radius * np.ptp(loads.pins[:, 0, :, 0], axis=1)))
@@ -130,7 +129,7 @@ def test_unbounded_vibration_is_refused(vibration):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(loads_module, "Superposition", Endless)
         with pytest.raises(InputError, match=r"damping: given none for .* vibration that is unb"):
-            list(cycle_loads(vibration, mechanism_of(vibration.engine_file), speed, [()]))
+            list(cycle_loads(vibration, speed, [()]))
 
 
 @pytest.mark.slow
@@ -207,7 +206,7 @@ def test_bending_is_that_of_the_whole_shaft_far_below_its_bending_modes(vibratio
 def test_the_worst_point_is_the_worst_of_all(found, vibration, stresses):
     """Every node of the fillet by the criterion itself, on the loads of the place's speed and firing."""
     file, worst = vibration.engine_file, found.places[0]
-    (own,) = cycle_loads(vibration, mechanism_of(file), np.array([worst.speed]), [worst.cylinders])
+    (own,) = cycle_loads(vibration, np.array([worst.speed]), [worst.cylinders])
     fields = stress_fields(stresses["throw"].loaded.mesh, file.throw, file.material)
     site = next(one for one in fields.sites if one.name == worst.name)
     number = worst.throw - 1

@@ -9,7 +9,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import mechanism_of
+from crankfem.analyses.engine_mechanism import input_warnings
 from crankfem.analyses.shaft.chains import engine_torsional_chain
 from crankfem.files.engine.engine_file import load_engine
 from dynamics.gas.compressor import CompressorCycle
@@ -25,7 +25,7 @@ def compressor():
 
 
 def test_power_is_compared_by_size(compressor):
-    power = mechanism_of(compressor).power
+    power = compressor.power
     swept = 0.25 * math.pi * 0.25**2 * 0.2
     taken_in = swept * (1.06 - 0.06 * 4.0 ** (1.0 / 1.35))
     work = 1e5 * taken_in * 1.35 / 0.35 * (4.0 ** (0.35 / 1.35) - 1.0)
@@ -34,14 +34,14 @@ def test_power_is_compared_by_size(compressor):
     assert power.mean_effective_pressure == close(-50e3 / (3.0 * swept * 10.0), 1e-5)
     assert power.consistent
     starved = compressor.changed(engine={"rated_power": 500e3})
-    assert not mechanism_of(starved).power.consistent
+    assert not starved.power.consistent
 
 
 def test_values_are_compared_with_the_torque_by_size(compressor):
     """Without a rated power the indicated one counts, which a driven machine takes: it is negative."""
     unrated = compressor.changed(engine={"rated_power": None}, limits={"coupling_torque": 300.0})
-    assert mechanism_of(unrated).power.indicated < 0.0
-    assert mechanism_of(unrated).warnings == ()
+    assert unrated.power.indicated < 0.0
+    assert input_warnings(unrated) == ()
 
 
 def test_cylinders_are_numbered_in_the_order_of_their_tops(compressor):
@@ -62,8 +62,8 @@ def test_opposed_cylinders_may_be_at_the_top_together(compressor):
         thrust_bearing={"main_bearing": 3},
     )
     assert opposed.engine.firing_intervals_deg == close([0.0, 360.0])
-    torque = cf.run_mechanism(mechanism_of(opposed)).torque.total
-    alone = cf.run_mechanism(mechanism_of(compressor), model="two-mass").torque.total
+    torque = cf.run_mechanism(opposed).torque.total
+    alone = cf.run_mechanism(compressor, model="two-mass").torque.total
     assert np.mean(torque) == close(2.0 / 3.0 * np.mean(alone), 1e-6)
 
 
@@ -114,7 +114,7 @@ def test_rules_for_engines_do_not_judge_it(compressor):
 
 def test_a_diagram_with_a_flat_delivery_is_that_of_a_compressor(tmp_path, compressor):
     cycle = CompressorCycle(1e5, 4e5, 0.06, 1.35)
-    layout = mechanism_of(compressor).layout
+    layout = compressor.layout
     cylinder = layout.cylinders[0]
 
     def position(angle):
@@ -136,6 +136,6 @@ def test_a_diagram_with_a_flat_delivery_is_that_of_a_compressor(tmp_path, compre
 
 @pytest.mark.slow
 def test_torque_is_told_by_its_size(compressor):
-    torque = cf.run_mechanism(mechanism_of(compressor)).torque
+    torque = cf.run_mechanism(compressor).torque
     assert torque.mean < 0.0
     assert torque.nonuniformity == close(np.ptp(torque.total) / -torque.mean)

@@ -8,7 +8,6 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
 from crankfem.analyses.strength.engine_strength import (
@@ -63,7 +62,7 @@ def stresses(file):
 
 @pytest.fixture(scope="module")
 def judge(vibration):
-    loads = shaft_loads(vibration, mechanism_of(vibration.engine_file))
+    loads = shaft_loads(vibration)
 
     def judged(stresses=None, throw=None, **section):
         own = vibration.engine_file.changed(strength=GIVEN | section)

@@ -1,6 +1,7 @@
 """Engine files, and engines changed in Python."""
 
 import math
+import pickle
 import re
 from dataclasses import replace
 
@@ -14,12 +15,11 @@ from crankbase.choices import whole_number
 from crankbase.errors import InputError
 from crankbase.quantity import parse_quantity
 from crankfem.analyses.assumptions import assumed_values
-from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_of
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
 from crankfem.files.reading import toml_file
@@ -417,7 +417,7 @@ def test_a_changed_rod_changes_mechanism_and_inertias(engine, way):
     heavier = way(engine, rod)
     own, other = (engine_throw_inertias(one, 1.0) for one in (engine, heavier))
     assert other - own == close(2.0 * engine.throw.crank_radius**2, rel=1e-9)
-    assert mechanism_of(heavier).layout.cylinders[0].rod.mass == rod.mass
+    assert heavier.layout.cylinders[0].rod.mass == rod.mass
 
 
 def test_fields_make_sections(engine):
@@ -464,10 +464,25 @@ def test_impossible_changes_are_refused(engine, change, text):
     assert str(caught.value).startswith(text)
 
 
-def test_a_mechanism_of_the_engine_before_is_refused(engine):
+def test_vibration_of_a_mechanism_alone_is_refused():
+    mechanism = load_mechanism("6chn25-34")
+    assert not mechanism.whole
+    with pytest.raises(InputError, match=r"given without the section \[thrust_bearing\]"):
+        engine_vibration(mechanism)
+    whole = mechanism.changed(thrust_bearing=load_engine("6chn25-34").thrust_bearing)
+    assert whole.whole
+
+
+def test_what_follows_from_sections_is_calculated_once_and_is_read_only(engine):
+    assert engine.layout is engine.layout
+    assert engine.pressure is engine.pressure
+    with pytest.raises(TypeError):
+        engine.named_throws["throw"] = engine.throw
     longer = engine.changed(rod={"length": engine.rod.length + 0.01})
-    with pytest.raises(InputError, match="mechanism: given one with other cylinders"):
-        engine_vibration(longer, mechanism=load_mechanism(input_path("6chn25-34")))
+    assert longer.layout != engine.layout
+    sent = pickle.loads(pickle.dumps(longer))
+    assert sent.layout == longer.layout
+    assert dict(sent.named_throws) == dict(longer.named_throws)
 
 
 @pytest.mark.parametrize("rule", [{}, {"crankshaft_rule": "KR main engine"}])

@@ -9,11 +9,10 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import load_any, mechanism_of
+from crankfem.analyses.engine_mechanism import input_warnings, load_any
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.files.engine import usual_parts, usual_sizes
-from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import (
     FiringEvenness,
     firing_evenness,
@@ -38,18 +37,14 @@ from regression.law.throw_law import torsional_law
 
 @pytest.fixture(scope="module")
 def shipped():
-    """All shipped engine files with a mechanism, read, and the mechanism of each."""
+    """All shipped engine files with a mechanism, read."""
     files = [load_any(name) for name in shipped_names("engine")]
-    return [
-        (file, mechanism_of(file) if isinstance(file, EngineFile) else file)
-        for file in files
-        if not isinstance(file, ThrowFile)
-    ]
+    return [file for file in files if not isinstance(file, ThrowFile)]
 
 
 def test_no_shipped_engine_is_warned_of(shipped):
-    for file, mechanism in shipped:
-        assert mechanism.warnings == (), file.path
+    for file in shipped:
+        assert input_warnings(file) == (), file.path
     for name in shipped_names("engine"):
         if isinstance(file := load_any(name), ThrowFile):
             assert not list(throw_warnings(file.throws)), name
@@ -75,8 +70,8 @@ def test_usual_ranges_are_those_of_the_shipped_engines(shipped):
     def add(name, value):
         values.setdefault(name, []).append(value)
 
-    for file, mechanism in shipped:
-        cylinder, throw = mechanism.layout.cylinders[0], mechanism.throw
+    for file in shipped:
+        cylinder, throw = file.layout.cylinders[0], file.throw
         bore, stroke = cylinder.bore, 2.0 * throw.crank_radius
         swept = 1e3 * 0.25 * math.pi * bore**2 * stroke
         add("STROKE", stroke / bore)
@@ -85,10 +80,10 @@ def test_usual_ranges_are_those_of_the_shipped_engines(shipped):
         add("ROD_LENGTH", cylinder.rod.length / throw.crank_radius)
         add("PISTON_MASS", cylinder.piston_mass / swept)
         add("ROD_MASS", cylinder.rod.mass / swept)
-        add("PISTON_SPEED", 2.0 * stroke * mechanism.rated_speed / (2.0 * math.pi))
-        if mechanism.power is not None:
-            add("INDICATED", mechanism.power.mean_indicated_pressure / 1e6)
-        if isinstance(file, EngineFile):
+        add("PISTON_SPEED", 2.0 * stroke * file.engine.rated_speed / (2.0 * math.pi))
+        if file.power is not None:
+            add("INDICATED", file.power.mean_indicated_pressure / 1e6)
+        if file.whole:
             add("HIGHEST_PISTON_SPEED", 2.0 * stroke * file.engine.highest_speed / (2.0 * math.pi))
             add("FLYWHEEL", math.sqrt(file.flywheel.inertia / file.flywheel.mass) / bore)
             stiffness = file.thrust_bearing.stiffness / throw.main_journal_diameter
@@ -154,7 +149,7 @@ def test_a_slip_is_warned_of_and_not_refused(tmp_path, six_cylinders, edit, fiel
     (tmp_path / "mine.toml").write_text(edit(six_cylinders, {field: value}), encoding="utf-8")
     told = [
         one
-        for one in mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+        for one in input_warnings(load_any(tmp_path / "mine.toml"))
         if one.startswith(f"{field}: given")
     ]
     assert len(told) == 1
@@ -237,7 +232,7 @@ def test_gd2_takes_the_place_of_any_inertia(tmp_path, edit, field, unit):
     (record,) = (record for record in read.records if record.field == field)
     assert record.source == "data sheet 7"
     assert record.given.startswith(f"{4.0 * inertia:g} {unit}")
-    assert mechanism_of(read).warnings == ()
+    assert input_warnings(read) == ()
 
 
 def test_gd2_beside_an_inertia_or_outside_its_range_is_refused(tmp_path, edit):
@@ -269,7 +264,7 @@ def test_an_intake_pressure_above_ambient_is_named(tmp_path, edit, name, pressur
 
 def test_the_throw_must_fit_the_bore():
     """Cylinders of twice the bore on the same throw would overlap."""
-    larger = mechanism_of(load_any("6chn25-34").changed(engine={"bore": 0.5})).warnings
+    larger = input_warnings(load_any("6chn25-34").changed(engine={"bore": 0.5}))
     assert any("which is 0.82 times the bore for each cylinder of a bank" in one for one in larger)
 
 
@@ -556,17 +551,13 @@ def test_a_part_that_cannot_be_meant_is_warned_of(tmp_path, edit, field, value, 
     else:
         text += f"\n[{section}]\n{name} = {value}\n"
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    warnings = mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+    warnings = input_warnings(load_any(tmp_path / "mine.toml"))
     assert any(one.startswith(f"{field}: given") and said in one for one in warnings), warnings
 
 
 def test_parts_of_the_shipped_engines_are_within_their_usual_ranges(shipped):
     """Ranges called those of the shipped engines are theirs; none of theirs is outside of any."""
-    scales = [
-        EngineScale(file, mechanism.power and mechanism.power.indicated)
-        for file, mechanism in shipped
-        if isinstance(file, EngineFile)
-    ]
+    scales = [EngineScale(file) for file in shipped if file.whole]
     for field, (compared, usual) in usual_parts.PARTS.items():
         section, name = field.split(".")
         ratios = [
@@ -585,14 +576,14 @@ def test_parts_of_the_shipped_engines_are_within_their_usual_ranges(shipped):
 def test_counterweights_pass_under_piston_and_beside_rod(tmp_path, edit):
     text = input_path("vw-tdi").read_text("utf-8")
     (tmp_path / "mine.toml").write_text(edit(text, {"piston.skirt_length": '"60 mm"'}), "utf-8")
-    warnings = mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+    warnings = input_warnings(load_any(tmp_path / "mine.toml"))
     assert sum("where the skirt comes down to" in one for one in warnings) == 2
     file = load_any("vw-tdi")
     weight = file.throw.counterweight.changed(
         thickness=file.throw.web_thickness, offset=0.1 * file.throw.pin_length
     )
     throw = {"counterweight": weight}
-    warnings = mechanism_of(file.changed(throw=throw)).warnings
+    warnings = input_warnings(file.changed(throw=throw))
     assert all("over the pin on the" in one for one in warnings)
     assert len(warnings) == 2
 
@@ -626,7 +617,7 @@ def test_angles_of_throws(call, tmp_path, edit, throw_angles, said):
 @pytest.fixture(scope="module")
 def measured():
     """Angles and absolute pressure of the model's cycle, for a table."""
-    pressure = mechanism_of(load_any("6chn25-34")).pressure[0]
+    pressure = load_any("6chn25-34").pressure[0]
     return pressure.angles_deg, pressure.pressure
 
 
@@ -642,7 +633,7 @@ def measured():
 )
 def test_a_pressure_table_that_looks_like_a_slip(measured, change, said):
     angles, pressure = measured
-    mechanism = mechanism_of(load_any("6chn25-34"))
+    mechanism = load_any("6chn25-34")
     table = gas_pressure(change(pressure), 4, angles_deg=angles)
     warnings = list(pressure_warnings(table, mechanism.layout, mechanism.gas.compression_ratio))
     assert any(said in one for one in warnings) if said else not warnings
@@ -665,5 +656,5 @@ def test_a_torque_table_that_looks_like_a_slip(tmp_path, change, said):
     ]
     (tmp_path / shipped_table.name).write_text("crank_angle_deg,torque_Nm\n" + "\n".join(lines))
     (tmp_path / "mine.toml").write_text(input_path("yamz-5340").read_text("utf-8"), "utf-8")
-    warnings = mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+    warnings = input_warnings(load_any(tmp_path / "mine.toml"))
     assert any(one.startswith("torque.table: ") and said in one for one in warnings), warnings

@@ -419,7 +419,7 @@ def test_polar_load(load, frame):
 def test_forces_of_a_mechanism(load, tmp_path, strict):
     values = np.stack([load.force.real, load.force.imag])
     run = SimpleNamespace(
-        mechanism=SimpleNamespace(name="engine"),
+        engine_file=SimpleNamespace(engine=SimpleNamespace(name="engine")),
         speed=100.0,
         balance=SimpleNamespace(rows=()),
         hinged_rods=None,

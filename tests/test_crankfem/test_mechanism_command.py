@@ -13,7 +13,6 @@ from comparing import close
 from crankbase.diagrams import figure
 from crankbase.errors import InputError
 from crankbase.table import merged_rows
-from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance, per_area_table
 from crankfem.analyses.mechanism.hinged_rods import motion_columns
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
@@ -25,7 +24,7 @@ from crankfem.analyses.mechanism.plots import (
     plot_polar_loads,
 )
 from crankfem.analyses.mechanism.rod_models import compare_rod_models
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 from crankfem.report.interactive.mechanism import MECHANISM
@@ -79,7 +78,7 @@ def test_models_differ_as_their_masses_do(v8):
 def test_the_balance_says_what_is_in_it(v8):
     """By hand, for a cross-plane V8: the first order's moment is sqrt(10) a w^2 times what turns."""
     found = engine_balance(v8)
-    throw, density = v8.mechanism.throw, v8.mechanism.material.density
+    throw, density = v8.engine_file.throw, v8.engine_file.material.density
     bare = throw_masses(throw.changed(left_web=None, right_web=None), density)
     moments = [own.mass * own.center[1] for own in (throw_masses(throw, density), bare)]
     for row in found.throws:
@@ -110,7 +109,9 @@ def test_the_balance_says_what_is_in_it(v8):
     _, told = bare.mass_tables()
     assert [one.name for one in told.columns] == ["throw", "rods", "solid", "sum", "at"]
     assert "counterweights" not in told.note
-    assert found.without_throws.moment == balance(v8.mechanism.layout, v8.speed).of(1).moment.major
+    assert (
+        found.without_throws.moment == balance(v8.engine_file.layout, v8.speed).of(1).moment.major
+    )
 
 
 @pytest.mark.slow

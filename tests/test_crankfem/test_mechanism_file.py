@@ -12,14 +12,7 @@ from hypothesis import strategies as st
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import (
-    MechanismFile,
-    load_any,
-    load_mechanism,
-    motored_for_misfire,
-    pressures_at,
-    with_throws,
-)
+from crankfem.analyses.engine_mechanism import load_any, pressures_at, with_throws
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,
@@ -27,7 +20,8 @@ from crankfem.analyses.vibration.engine_excitation import (
     failing_harmonics,
 )
 from crankfem.cli.console import print_parts
-from crankfem.files.engine.engine_file import EngineFile, load_engine
+from crankfem.files.engine.engine_file import load_engine, load_mechanism
+from crankfem.files.engine.full_load import motored_for_misfire
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.sections.excitation_sections import (
     GasMap,
@@ -131,7 +125,7 @@ def test_hinged_rods_stand_at_the_angle_between_the_banks():
 def test_engines_in_line_turn_as_their_firing_order_says(name, sense):
     mechanism = load_mechanism(name)
     layout = mechanism.layout
-    assert mechanism.turning_sense == sense
+    assert mechanism.engine.turning_sense == sense
     firing = np.array(np.radians(layout.firing_deg))[np.array(layout.firing_order) - 1]
     assert np.diff(firing) == close(
         [cycle_radians(layout.strokes) / len(firing)] * (len(firing) - 1)
@@ -234,11 +228,11 @@ def test_unusual_inertias_are_told(tmp_path):
 
 def test_a_v_engine_with_flywheel_and_thrust_bearing_is_a_whole_engine():
     read = load_any("8chn13-14")
-    assert isinstance(read, EngineFile)
+    assert read.whole
     assert read.throws == (0, 1, 2, 3, 0, 1, 2, 3)
     assert read.pins == read.throws
     assert read.throw_angles_deg == close([0.0, 90.0, 270.0, 180.0])
-    assert isinstance(load_any("buick-3800"), MechanismFile)
+    assert not load_any("buick-3800").whole
 
 
 def test_an_engine_in_line_without_flywheel_is_a_mechanism(tmp_path):
@@ -246,7 +240,7 @@ def test_an_engine_in_line_without_flywheel_is_a_mechanism(tmp_path):
     text = input_path("6chn25-34").read_text(encoding="utf-8")
     start, end = text.index("[flywheel]"), text.index("[gas]")
     path.write_text(text[:start] + text[end:], encoding="utf-8")
-    assert isinstance(load_any(path), MechanismFile)
+    assert not load_any(path).whole
     with pytest.raises(InputError, match="describes a crank mechanism, not a whole engine"):
         load_engine(path)
 
@@ -258,7 +252,7 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
     inertia = np.array([[3.0, 0.1, -0.3], [0.1, 2.0, 0.21], [-0.3, 0.21, 1.5]])
     masses = MassProperties(100.0, np.array([0.02, -0.01, 0.18]), inertia)
     layout = with_throws(mechanism, masses)
-    sense, length = mechanism.turning_sense, mechanism.throw.length
+    sense, length = mechanism.engine.turning_sense, mechanism.throw.length
     for number, angle in enumerate(np.radians(mechanism.rotation_angles_deg)):
         found = unbalance(
             masses.moved(angle_deg=math.degrees(sense * angle), along=number * length), 0.0
@@ -312,7 +306,7 @@ def test_the_sense_in_which_a_file_counts_angles_makes_no_difference(tmp_path, n
     same.write_text(text, encoding="utf-8")
     other.write_text(changed, encoding="utf-8")
     one, two = load_mechanism(same), load_mechanism(other)
-    assert (one.turning_sense, two.turning_sense) == (1, -1)
+    assert (one.engine.turning_sense, two.engine.turning_sense) == (1, -1)
     angles = np.linspace(0.0, 4.0 * math.pi, 50)
     forces = [
         mechanism_forces(
@@ -546,14 +540,14 @@ def test_sections_that_do_not_fit_each_other(engine):
 def test_a_load_that_the_cycle_cannot_reach(engine):
     changed = engine.changed(load=pointed(peak_pressure="2 bar"))
     with pytest.raises(InputError, match=r"^load: at 200 1/min and load 1: peak_pressure"):
-        engine_load(changed, cf.engines.mechanism_of(changed))
+        engine_load(changed)
 
 
 @pytest.mark.parametrize(
     ("rated", "consistent"), [(330e3, False), (429e3, True), (550e3, True), (560e3, False)]
 )
 def test_rated_power_fits_the_gas_or_not(engine, rated, consistent):
-    power = cf.engines.mechanism_of(engine.changed(engine={"rated_power": rated})).power
+    power = engine.changed(engine={"rated_power": rated}).power
     assert power.consistent is consistent
     assert power.mechanical_efficiency == close(rated / 570.2277e3, 1e-5)
     assert power.sentence.startswith("The file is inconsistent: rated power") is not consistent
@@ -563,7 +557,7 @@ def test_rated_power_fits_the_gas_or_not(engine, rated, consistent):
 
 
 def test_without_rated_power_nothing_checks(engine):
-    power = cf.engines.mechanism_of(engine).power
+    power = engine.power
     assert power.consistent
     assert power.mechanical_efficiency is power.mean_effective_pressure is None
     assert power.sentence == (
@@ -579,7 +573,7 @@ def test_two_points_are_met_with_a_straight_line_between(engine):
         POWER_POINTS[1] | {"peak_pressure": "84 bar", "intake_pressure": "2.0 bar"},
     ]
     changed = engine.changed(load=LoadSection.from_text({"points": points}))
-    told = engine_load(changed, cf.engines.mechanism_of(changed))
+    told = engine_load(changed)
     assert told.law == "points"
     assert told.speeds / RPM == close([200.0, 250.0, 375.0, 500.0, 515.0])
     share = (told.speeds / RPM - 200.0) / 315.0
@@ -593,15 +587,14 @@ def test_vibration_is_calculated_as_far_as_points_reach(engine):
     speeds = calculated_speeds(changed, np.array([0.5]), (), [20.0])
     assert speeds[[0, -1]] / RPM == close([200.0, 515.0])
     with pytest.raises(InputError, match=r"load\.points: given none for 600 1/min"):
-        pressures_at(cf.engines.mechanism_of(changed), [600.0 * RPM])
+        pressures_at(changed, [600.0 * RPM])
 
 
 def test_the_boost_goes_with_the_power(engine):
     """Compression in a cylinder without combustion shows it."""
     changed = engine.changed(load={"law": "propeller"})
-    mechanism = cf.engines.mechanism_of(changed)
-    (half, full) = pressures_at(mechanism, np.array([250.0, 500.0]) * RPM, motored=True)
-    told = engine_load(changed, mechanism)
+    (half, full) = pressures_at(changed, np.array([250.0, 500.0]) * RPM, motored=True)
+    told = engine_load(changed)
     intake = dict(zip(np.round(told.speeds / RPM), told.intake_pressure, strict=True))
     assert intake[250.0] - 101325.0 == close((intake[500.0] - 101325.0) / 8.0)
     assert half[0].peak_pressure / full[0].peak_pressure == close(intake[250.0] / intake[500.0])
@@ -610,10 +603,9 @@ def test_the_boost_goes_with_the_power(engine):
 @pytest.mark.slow
 def test_a_cylinder_that_misfires_is_motored_at_its_load(engine):
     changed = engine.changed(load={"law": "propeller"}, misfire={"cylinders": (1,)})
-    mechanism = cf.engines.mechanism_of(changed)
-    firing = engine_harmonics(changed, mechanism)
+    firing = engine_harmonics(changed)
     assert firing.one_diagram == ""
-    failing = failing_harmonics(changed, mechanism, firing)
+    failing = failing_harmonics(changed, firing)
     speed = np.array([250.0 * RPM])
     burning, motored = (own.phasors(speed)[0, 0, :, 0].real for own in (firing, failing))
     assert (abs(motored) < 0.1 * burning).all()
@@ -621,7 +613,7 @@ def test_a_cylinder_that_misfires_is_motored_at_its_load(engine):
 
 def test_a_constant_load_is_what_no_section_says(engine):
     given = engine.changed(load={"law": "constant"})
-    found = [engine_load(one, cf.engines.mechanism_of(one)) for one in (engine, given)]
+    found = [engine_load(one) for one in (engine, given)]
     assert [one.law for one in found] == ["constant", "constant"]
     assert found[0].mean_pressure == close(found[1].mean_pressure)
     assert "the file has no section [load]" in found[0].sentence
@@ -630,7 +622,7 @@ def test_a_constant_load_is_what_no_section_says(engine):
 
 
 def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
-    pressure = cf.engines.mechanism_of(engine).pressure[0]
+    pressure = engine.pressure[0]
     rows = zip(pressure.angles_deg, pressure.pressure / 1e5, strict=True)
     for name, share in (("low", 0.5), ("full", 1.0)):
         lines = [f"{angle:.9g},{share * bar:.9g}" for angle, bar in rows]
@@ -644,7 +636,7 @@ def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
     section = GasMap.from_text({"points": points, "method": "linear"})
     changed = engine.changed(engine={"rated_power": 330e3}, gas=None, gas_map=section)
     changed = replace(changed, files=InputFiles(tmp_path / "engine.toml"))
-    told = engine_load(changed, cf.engines.mechanism_of(changed))
+    told = engine_load(changed)
     mean = 1.366668e6 * np.interp(told.speeds / RPM, [200.0, 515.0], [0.5, 1.0])
     assert told.law == "map"
     assert told.mean_pressure == close(mean, 1e-4)
@@ -654,7 +646,7 @@ def test_a_pressure_map_is_checked_in_place_of_the_gas(engine, tmp_path):
 
 @pytest.mark.further
 def test_console_tells_power_and_load(call, tmp_path):
-    text = cf.engines.mechanism_of(cf.load_engine("6s50mc-c")).path.read_text(encoding="utf-8")
+    text = cf.load_engine("6s50mc-c").path.read_text(encoding="utf-8")
     file = tmp_path / "engine.toml"
     file.write_text(text.replace('"9480 kW"', '"5 MW"'), encoding="utf-8")
     said = "inconsistent: rated power 5000 kW (mean effective pressure 1.003 MPa) is 0.501 of"
@@ -670,7 +662,7 @@ def test_console_tells_power_and_load(call, tmp_path):
 
 def test_power_that_does_not_fit_and_the_load_are_told(engine):
     changed = engine.changed(engine={"rated_power": 330e3}, load={"law": "propeller"})
-    told = engine_load(changed, cf.engines.mechanism_of(changed)).to_record()
+    told = engine_load(changed).to_record()
     assert not told["rated"]["consistent"]
     assert told["rated"]["sentence"] == (
         "The file is inconsistent: rated power 330 kW (mean effective pressure 0.7909 MPa) is 0.579 of the "
@@ -684,7 +676,7 @@ def test_power_that_does_not_fit_and_the_load_are_told(engine):
 
 def test_the_console_tells_the_load_of_each_speed(engine, capsys):
     changed = engine.changed(engine={"rated_power": 480e3}, load={"law": "propeller"})
-    print_parts(engine_load(changed, cf.engines.mechanism_of(changed)).parts())
+    print_parts(engine_load(changed).parts())
     out = " ".join(capsys.readouterr().out.split())
     assert "rated power 480 kW (mean effective pressure 1.15 MPa) is 0.842 of it" in out
     assert "power at the flywheel to its cube; friction takes 2.16 bar at every speed" in out

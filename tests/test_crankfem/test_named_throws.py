@@ -12,7 +12,7 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import load_mechanism, with_throws
+from crankfem.analyses.engine_mechanism import with_throws
 from crankfem.analyses.engine_optimum import engine_frequencies
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
@@ -21,7 +21,7 @@ from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.modes import axial_vibration
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.engine.throw_file import (
     load_crankshaft,
     load_study,

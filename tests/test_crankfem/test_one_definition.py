@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.engine_optimum import first_frequency
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
@@ -39,13 +38,11 @@ def told(request):
         name: analyze_throw(throw, engine.material, 0.1, sections="rigid")
         for name, throw in engine.named_throws.items()
     }
-    mechanism = mechanism_of(engine)
-    run = engine_vibration(engine, analysis=analyses, mechanism=mechanism)
+    run = engine_vibration(engine, analysis=analyses)
     return SimpleNamespace(
         engine=engine,
         run=run,
-        mechanism=mechanism,
-        in_mechanism=run_mechanism(mechanism),
+        in_mechanism=run_mechanism(engine),
         firing=firing_cases(run),
     )
 
@@ -73,8 +70,8 @@ def test_masses_and_inertias(told):
     engine, chain = told.engine, told.run.torsional.chosen.chain
     cranks = crank_analyses(engine, told.run.analyses)
     solids = sum(crank.masses.inertia_about_shaft for crank in cranks)
-    layout, mechanism = told.in_mechanism.layout, told.mechanism
-    assert layout.shaft_inertia - mechanism.attached_inertia == close(solids, rel=1e-9)
+    layout = told.in_mechanism.layout
+    assert layout.shaft_inertia - engine.attached_inertia == close(solids, rel=1e-9)
     # The whole crankshaft has its ends, too.
     assert shaft_balance(engine).inertia_about_shaft >= solids * (1.0 - 1e-9)
     assert sum(crank.mass for crank in cranks) <= shaft_balance(engine).mass * (1.0 + 1e-9)
@@ -83,7 +80,7 @@ def test_masses_and_inertias(told):
         for name in ("free end", "flywheel")
         if name in chain.nodes
     ]
-    assert mechanism.attached_inertia == close(sum(ends), rel=1e-9)
+    assert engine.attached_inertia == close(sum(ends), rel=1e-9)
     # Half of what moves with the piston, and what turns with the pin, in chain and class document.
     moving = engine.piston.mass + engine.rod.mass - engine.rod.rotating_mass
     radius = 0.5 * engine.engine.stroke
@@ -166,7 +163,7 @@ def test_torques_in_tables_strength_and_stress(told):
         elastic.orders[counted], elastic.speeds, elastic.values[counted], elastic.unbounded[counted]
     ).amplitude[kept]
     chain = forced.engine_chain
-    for throw, load in enumerate(shaft_loads(told.run, told.mechanism).normal):
+    for throw, load in enumerate(shaft_loads(told.run).normal):
         beside = [
             place
             for place, nodes in enumerate(chain.chain.connections[: chain.crank_elements])

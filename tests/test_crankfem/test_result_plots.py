@@ -17,7 +17,6 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.results import Result
-from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.study.studies import fitted
@@ -29,6 +28,7 @@ from crankfem.analyses.throw.formula_records import (
 from crankfem.analyses.titles import short_name
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.analyses.vibration.run_up import run_up
+from crankfem.files.engine.engine_file import load_mechanism
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties

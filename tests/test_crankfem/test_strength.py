@@ -12,7 +12,6 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.assumptions import assumed_values
-from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.strength import engine_strength
 from crankfem.analyses.strength.cycle_loads import shaft_loads
 from crankfem.analyses.strength.engine_strength import shown_factor
@@ -40,7 +39,7 @@ FIT = {
 def loads(coupled_vibration):
     """Largest alternating loads of the six-cylinder engine's throws."""
     vibration = coupled_vibration("6chn25-34")
-    return shaft_loads(vibration, mechanism_of(vibration.engine_file))
+    return shaft_loads(vibration)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import load_any, mechanism_of
+from crankfem.analyses.engine_mechanism import input_warnings, load_any
 from crankfem.analyses.file_check import check_file
 from crankfem.files.reading.data_files import data_folder, input_path
 
@@ -15,7 +15,7 @@ CYCLES = 5
 @pytest.fixture
 def bench(tmp_path):
     """A record of five cycles of a calculated pressure, as an indicator exports it."""
-    pressure = mechanism_of(load_any("6chn25-34")).pressure[0]
+    pressure = load_any("6chn25-34").pressure[0]
     rows = ["CA;P2;P1", "°KW;bar;bar"]
     for cycle in range(CYCLES):
         for angle in np.arange(0.0, 720.0, 1.0):
@@ -38,7 +38,7 @@ READING = '{ columns = { crank_angle_deg = "CA", absolute_pressure_bar = "P1" },
 @pytest.mark.slow
 def test_a_record_of_a_bench_is_read_as_its_engine_file_says(tmp_path, edit, bench):
     path = written(tmp_path, edit, READING)
-    pressure = mechanism_of(load_any(path)).pressure[0]
+    pressure = load_any(path).pressure[0]
     # Of the even samples of the model to those of a degree: their shape-preserving curve.
     assert pressure.peak_pressure == close(bench.peak_pressure, rel=1e-3)
     assert pressure.peak_angle_deg == close(bench.peak_angle_deg, abs=1.0)
@@ -49,7 +49,7 @@ def test_a_record_of_a_bench_is_read_as_its_engine_file_says(tmp_path, edit, ben
 
 def test_a_table_that_does_not_say_what_it_holds_is_refused_with_the_cure(tmp_path, edit, bench):
     with pytest.raises(InputError, match=r'given the header "CA,P2,P1".*reading = \{ columns = '):
-        load_any(written(tmp_path, edit, None)) and mechanism_of(load_any(tmp_path / "mine.toml"))
+        _ = load_any(written(tmp_path, edit, None)).pressure
 
 
 def test_a_reading_without_a_table_is_refused(tmp_path, edit):
@@ -79,4 +79,4 @@ def test_a_torque_table_by_its_engine_file_and_by_options(call, tmp_path, edit):
         },
     )
     (tmp_path / "mine.toml").write_text(text, "utf-8")
-    assert mechanism_of(load_any(tmp_path / "mine.toml")).warnings == ()
+    assert input_warnings(load_any(tmp_path / "mine.toml")) == ()

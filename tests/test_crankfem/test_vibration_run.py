@@ -9,7 +9,6 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_of
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.chain_answers import nominal_section_modulus
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
@@ -19,7 +18,7 @@ from crankfem.analyses.vibration.misfiring import _crossings, _ranges
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration
 from crankfem.cli.console import write_columns
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.chains.chain import Chain
@@ -219,7 +218,7 @@ def test_worst_use_does_not_depend_on_what_else_is_calculated(run):
     engine = run.engine_file
     forced = forced_vibrations(
         engine,
-        engine_harmonics(engine, mechanism_of(engine)),
+        engine_harmonics(engine),
         run.axial,
         run.torsional,
         run.shaft,

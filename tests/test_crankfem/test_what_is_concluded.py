@@ -12,7 +12,6 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict, limit_findings
@@ -113,10 +112,9 @@ def test_what_cannot_be_passed_on_starting_decides(run):
 def test_the_ends_of_what_misfiring_exceeds_are_where_a_limit_is_met(run):
     """A tenth of a thousandth inside them a limit is exceeded in one of the cases, outside in none."""
     misfiring, file = run.misfiring, run.engine_file
-    mechanism = mechanism_of(file)
-    firing = engine_harmonics(file, mechanism)
+    firing = engine_harmonics(file)
     chains = EngineChains.of(file, run.axial, run.torsional, run.shaft)
-    added = Superposition(chains, firing, failing_harmonics(file, mechanism, firing))
+    added = Superposition(chains, firing, failing_harmonics(file, firing))
     limits = engine_limits(file)[0]
     inside, outside = [], []
     for low, high in misfiring.exceeded:

@@ -59,7 +59,7 @@ class File:
         number = re.fullmatch(r"[-\d., ]+", shown)
         text = f"[{shown}]" if number and "," in shown else shown if number else f'"{shown}"'
         if field == "gas.pressure_table":
-            pressure = cf.engines.mechanism_of(self.engine).pressure[0]
+            pressure = self.engine.pressure[0]
             rows = zip(pressure.angles_deg, pressure.pressure / 1e5, strict=True)
             (self.path.parent / "measured.csv").write_text(
                 "crank_angle_deg,absolute_pressure_bar\n"

@@ -11,7 +11,6 @@ import pytest
 from scipy.linalg import eigh
 
 from comparing import close
-from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.shaft.chains import magnifier_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.vibration.axial_cycle import axial_cycle
@@ -40,7 +39,7 @@ def case(request):
         torsional_vibration(engine, analysis, shaft, None),
         shaft,
     )
-    harmonics = engine_harmonics(engine, mechanism_of(engine))
+    harmonics = engine_harmonics(engine)
     return chains, analysis.superelement, harmonics, axial_cycle(chains, harmonics)
 
 

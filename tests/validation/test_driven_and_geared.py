@@ -17,7 +17,6 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.analyses.engine_mechanism import mechanism_of
 
 FOLDER = Path(__file__).parents[1] / "data" / "engines"
 NAMES = ("3-250-200-compressor", "geared-set")
@@ -65,7 +64,7 @@ class Machine:
         """Absolute, from the top."""
         gas = self.file.gas
         if gas.discharge_pressure is None:
-            return mechanism_of(self.file).pressure[0].at(angle_deg=np.degrees(self.angle))
+            return self.file.pressure[0].at(angle_deg=np.degrees(self.angle))
         swept = 2.0 * self.radius * self.area
         clearance = gas.clearance * swept
         volume = clearance + self.area * self.travel()

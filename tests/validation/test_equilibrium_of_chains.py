@@ -18,7 +18,6 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.strength.cycle_loads import shaft_loads, superposition
 from crankfem.analyses.vibration.chain_answers import EngineChains
@@ -71,12 +70,11 @@ def test_all_bodies(name, figure):
         torsional_vibration(engine, analyses, shaft, None),
         shaft,
     )
-    mechanism = mechanism_of(engine)
-    firing = engine_harmonics(engine, mechanism)
+    firing = engine_harmonics(engine)
     speeds = np.linspace(*calculated_range(engine), 40)
     cases = {"firing": forces_over_speeds(engine, firing, speeds)}
     if engine.gas is not None and not engine.engine.driven_by:
-        failing = failing_harmonics(engine, mechanism, firing)
+        failing = failing_harmonics(engine, firing)
         cases["without combustion"] = forces_over_speeds(engine, failing, speeds)
     for case, forces in cases.items():
         pulled, turned = chains.answers(forces, propeller=False)
@@ -122,11 +120,11 @@ def test_axial_force_of_throws_is_one_wherever_it_is_judged(figure):
         assert sum(part.contribution for part in check.cause.parts) == close(check.worst_value)
     failing = next(one for one in run.misfiring.checks if one.quantity.startswith("axial force"))
     figure("in normal firing, beside misfiring", failing.normal.value, judged.max(), 1e-3, "N")
-    added = superposition(run, mechanism_of(engine))
+    added = superposition(run)
     speed = np.array([failing.misfiring.speed])
     pulled, _ = added.chains.answers(added.forces(speed, failing.cylinders))
     sums = from_the_free_end(pulled.response, 6)
     by_masses = synthesis(pulled.response.orders, speed, sums).amplitude.max()
     figure("while a cylinder misfires", failing.misfiring.value, by_masses, 5e-3, "N")
-    strength = [load.value for load in shaft_loads(run, mechanism_of(engine)).axial]
+    strength = [load.value for load in shaft_loads(run).axial]
     figure("in the strength", strength, judged, 1e-9, "N")

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
-from crankfem.analyses.engine_mechanism import mechanism_of, motored_for_misfire
+from crankfem.files.engine.full_load import motored_for_misfire
 from dynamics.torque import DEFAULT_SAMPLES
 
 FOLDER = Path(__file__).parents[1] / "data" / "engines"
@@ -35,9 +35,8 @@ def run(request):
 
 def missing_torques(run):
     """Orders of the torque that combustion brings in each cylinder, with its sign turned, (K, c)."""
-    engine, mechanism = run.engine_file, mechanism_of(run.engine_file)
-    layout = mechanism.layout
-    motored = motored_for_misfire(engine.gas, layout, mechanism.pressure)
+    engine, layout = run.engine_file, run.engine_file.layout
+    motored = motored_for_misfire(engine.gas, layout, engine.pressure)
     orders = run.forced_torsional.forces.orders
     r, length = 0.5 * engine.engine.stroke, engine.rod.length
     cycle = np.pi * engine.engine.strokes
@@ -47,7 +46,7 @@ def missing_torques(run):
         local = psi - firing
         sine, ratio = np.sin(local), r / length
         travel = r * (sine + ratio * sine * np.cos(local) / np.sqrt(1.0 - (ratio * sine) ** 2))
-        pressure = motored[number].at(angle_deg=np.degrees(local)) - mechanism.pressure[number].at(
+        pressure = motored[number].at(angle_deg=np.degrees(local)) - engine.pressure[number].at(
             angle_deg=np.degrees(local)
         )
         torque = 0.25 * np.pi * engine.engine.bore**2 * pressure * travel

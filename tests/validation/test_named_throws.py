@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crankfem.analyses.engine_mechanism import mechanism_of, with_throws
+from crankfem.analyses.engine_mechanism import with_throws
 from crankfem.analyses.shaft.whole_records import shaft_balance
 from crankfem.analyses.shaft.whole_shaft import highest_exciting_frequency, whole_shaft
 from crankfem.analyses.vibration.run import engine_vibration
@@ -107,9 +107,8 @@ def test_balance_of_the_crankshaft(engine, solids, figure):
 def test_balance_of_the_mechanism(engine, solids, figure):
     """Its masses stand as complex numbers, +y real, in the sense of rotation, which is against +z here."""
     static, moment, _, inertia = by_hand(solids)
-    mechanism = mechanism_of(engine)
-    assert mechanism.turning_sense in (1, -1)
-    layout, sense = with_throws(mechanism), mechanism.turning_sense
+    assert engine.engine.turning_sense in (1, -1)
+    layout, sense = with_throws(engine), engine.engine.turning_sense
     sizes = np.array([own.static_moment for own in layout.rotating])
     places = np.array([own.position for own in layout.rotating])
     turned = sizes * np.exp(1j * np.array([math.radians(own.angle_deg) for own in layout.rotating]))
@@ -120,7 +119,7 @@ def test_balance_of_the_mechanism(engine, solids, figure):
     figure("their moment about the middle", about, wanted, EXACT, "kg m^2")
     attached = FREE_END + FLYWHEEL_INERTIA
     figure("inertia of its shaft", layout.shaft_inertia, inertia + attached, EXACT, "kg m^2")
-    figure("main bearings along the shaft", mechanism.bearing_positions[1:], STARTS[1:], EXACT, "m")
+    figure("main bearings along the shaft", engine.bearing_positions[1:], STARTS[1:], EXACT, "m")
 
 
 def in_a_row(analyses):

@@ -55,13 +55,12 @@ def own_power(engine, pressure, speed):
 @pytest.mark.parametrize("name", OWN)
 def test_indicated_power_is_the_integral_over_the_volume(name, figure):
     engine = cf.load_engine(FOLDER / f"{name}.toml")
-    mechanism = cf.engines.mechanism_of(engine)
-    power, mean = own_power(engine, mechanism.pressure[0], engine.engine.rated_speed)
-    figure("indicated power", mechanism.power.indicated, power, 1e-5, "W")
-    figure("mean indicated pressure", mechanism.power.mean_indicated_pressure, mean, 1e-5, "Pa")
+    power, mean = own_power(engine, engine.pressure[0], engine.engine.rated_speed)
+    figure("indicated power", engine.power.indicated, power, 1e-5, "W")
+    figure("mean indicated pressure", engine.power.mean_indicated_pressure, mean, 1e-5, "Pa")
     given = engine.gas.mean_effective_pressure
     figure("mean pressure that the file gives", mean, given, 1e-5, "Pa")
-    figure("power of the torque", cf.run_mechanism(mechanism).torque.power, power, 1e-5, "W")
+    figure("power of the torque", cf.run_mechanism(engine).torque.power, power, 1e-5, "W")
 
 
 def test_published_power_and_mean_effective_pressure(figure):
@@ -78,17 +77,16 @@ def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
     engine = cf.load_engine(FOLDER / f"{name}.toml")
     rated = engine.engine.rated_speed
     engine = engine.changed(engine={"lowest_speed": 0.4 * rated}, load={"law": "propeller"})
-    mechanism = cf.engines.mechanism_of(engine)
-    full, _ = own_power(engine, mechanism.pressure[0], rated)
-    told = engine_load(engine, mechanism)
+    full, _ = own_power(engine, engine.pressure[0], rated)
+    told = engine_load(engine)
     place = int(np.argmin(np.abs(told.speeds - 0.5 * rated)))
     figure("reported power at half speed", told.power[place], full / 8.0, 1e-4, "W")
-    mean = mechanism.power.mean_indicated_pressure
+    mean = engine.power.mean_indicated_pressure
     figure("reported mean pressure", told.mean_pressure[place], mean / 4.0, 1e-4, "Pa")
-    turned = cf.run_mechanism(mechanism, 0.5 * rated)
+    turned = cf.run_mechanism(engine, 0.5 * rated)
     figure("power of the torque at half speed", turned.torque.power, full / 8.0, 1e-4, "W")
     speeds = np.array([0.45, 0.5, 0.7, 1.0, 1.1]) * rated
-    forces = forces_over_speeds(engine, engine_harmonics(engine, mechanism), speeds)
+    forces = forces_over_speeds(engine, engine_harmonics(engine), speeds)
     driven = forces.mean_tangential.sum(axis=-1) * forces.crank_radius * speeds
     figure("power of the exciting forces", driven, full * (speeds / rated) ** 3, 1e-4, "W")
 
@@ -96,10 +94,9 @@ def test_a_propeller_takes_the_cube_of_the_speed(name, figure):
 def test_friction_stays_where_the_rated_power_tells_it(figure):
     engine = cf.load_engine("6s50mc-c")
     rated = engine.engine.rated_speed
-    mechanism = cf.engines.mechanism_of(engine)
-    told = engine_load(engine, mechanism)
+    told = engine_load(engine)
     swept = 6 * 0.25 * np.pi * engine.engine.bore**2 * engine.engine.stroke
-    friction = (mechanism.power.indicated - 9480e3) / (swept * rated / (2.0 * np.pi))
+    friction = (engine.power.indicated - 9480e3) / (swept * rated / (2.0 * np.pi))
     shaft = told.power - friction * swept * told.speeds / (2.0 * np.pi)
     wanted = 9480e3 * (told.speeds / rated) ** 3
     figure("power at the flywheel", shaft, wanted, 1e-4, "W", scale=9480e3)

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.engine_mechanism import load_mechanism
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.mechanism.rod_models import model_difference, rod_masses
+from crankfem.files.engine.engine_file import load_mechanism
 from geometry.mass import cylinder_mass_properties
 
 R, L_D, PISTON, ROD = 0.070, 0.009, 3.4, 4.2

@@ -217,16 +217,16 @@ def engine_balance(run: MechanismRun) -> EngineBalance:
 
 
 def _throws(run: MechanismRun) -> Iterator[ThrowBalance]:
-    mechanism, layout = run.mechanism, run.layout
-    for number, throw in enumerate(mechanism.crank_throws):
-        towards = cmath.rect(1.0, -math.radians(mechanism.rotation_angles_deg[number]))
+    engine_file, layout = run.engine_file, run.layout
+    for number, throw in enumerate(engine_file.crank_throws):
+        towards = cmath.rect(1.0, -math.radians(engine_file.rotation_angles_deg[number]))
         rods = sum(
             mass.rotating
             * layout.crank_radius
             * towards
             * cmath.rect(1.0, math.radians(cylinder.crank_angle_deg))
             for mass, cylinder, place in zip(
-                run.balance.masses, layout.cylinders, mechanism.throws, strict=True
+                run.balance.masses, layout.cylinders, engine_file.throws, strict=True
             )
             if place == number
         )
@@ -235,8 +235,8 @@ def _throws(run: MechanismRun) -> Iterator[ThrowBalance]:
             mass.static_moment * towards * cmath.rect(1.0, math.radians(mass.angle_deg))
             for mass in layout.rotating[2 * number : 2 * number + 2]
         )
-        x, y = mechanism.material.density * counterweight_moment(throw.parts)
-        moments = [*map(complex, (rods, solid)), complex(y, -mechanism.turning_sense * x)]
+        x, y = engine_file.material.density * counterweight_moment(throw.parts)
+        moments = [*map(complex, (rods, solid)), complex(y, -engine_file.engine.turning_sense * x)]
         moments.append(moments[0] + moments[1])
         scale = sum(map(abs, moments))
         yield ThrowBalance(number + 1, *(_without_round_off(moment, scale) for moment in moments))

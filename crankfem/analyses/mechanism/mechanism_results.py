@@ -12,7 +12,6 @@ from crankbase.quantity import RPM
 from crankbase.results import Flat, Internal, Number, Quantity, Result, Speed, result
 from crankbase.table import SI, Column, Main, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.engine_mechanism import MechanismFile
 from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance, per_area_table
 from crankfem.analyses.mechanism.hinged_rods import (
     PistonAccelerations,
@@ -32,6 +31,7 @@ from crankfem.analyses.mechanism.rod_models import (
     rod_masses,
 )
 from crankfem.analyses.record import AssumedInput, assumed_values
+from crankfem.files.engine.engine_file import EngineFile
 from dynamics.balance import HingedRodEffects
 from dynamics.cycle import cycle_radians
 from dynamics.engine import RodModelName
@@ -295,13 +295,13 @@ def mechanism_details(
 
 def mechanism_results(run: MechanismRun) -> MechanismResults:
     """Return the results of a mechanism."""
-    mechanism, forces, torque = run.mechanism, run.forces, run.torque.total
-    pins, journals = bearing_sizes(mechanism)
+    engine_file, forces, torque = run.engine_file, run.forces, run.torque.total
+    pins, journals = bearing_sizes(engine_file)
     angles = forces.shaft_angles_deg
     least, most = int(np.argmin(torque)), int(np.argmax(torque))
     gas, assumed = _gas_remarks(run)
     return MechanismResults(
-        engine=mechanism.name,
+        engine=engine_file.engine.name,
         speed=run.speed,
         rod_model=forces.model,
         firing_angles_deg=run.layout.firing_deg,
@@ -309,7 +309,7 @@ def mechanism_results(run: MechanismRun) -> MechanismResults:
         angle_step_deg=float(angles[1] - angles[0]),
         power=run.torque.power,
         mean_indicated_pressure=indicated_power(run.layout, run.pressure, run.speed)[1],
-        rated=mechanism.power,
+        rated=engine_file.power,
         torque=TorqueRange(
             run.torque.mean,
             float(torque[least]),
@@ -321,7 +321,7 @@ def mechanism_results(run: MechanismRun) -> MechanismResults:
         cylinders=run.works,
         crankpins=tuple(
             replace(
-                _bearing_load(load, pins[mechanism.throws[group[0] - 1]]),
+                _bearing_load(load, pins[engine_file.throws[group[0] - 1]]),
                 cylinders=group,
                 largest_angle_from_firing_deg=_from_firing(run, load, group),
             )
@@ -331,12 +331,12 @@ def mechanism_results(run: MechanismRun) -> MechanismResults:
         rod_models=compare_rod_models(run),
         assumed=assumed_values(
             record
-            for record in input_values(mechanism)
+            for record in input_values(engine_file)
             if record.field.partition(".")[0] in MECHANISM_SECTIONS
         ),
-        remarks=(*mechanism.remarks, *gas),
+        remarks=(*engine_file.remarks, *gas),
         balance=engine_balance(run),
-        notes=(*mechanism.remarks, *(remark for remark in gas if remark not in assumed)),
+        notes=(*engine_file.remarks, *(remark for remark in gas if remark not in assumed)),
     )
 
 
@@ -351,16 +351,16 @@ def mechanism_intervals(run: MechanismRun) -> tuple[float, ...]:
 Size = tuple[float, float]
 
 
-def bearing_sizes(mechanism: MechanismFile) -> tuple[list[Size], list[Size]]:
+def bearing_sizes(engine_file: EngineFile) -> tuple[list[Size], list[Size]]:
     """Return diameter and length [m] for one rod on the pin of each crank, and of each main bearing."""
-    throws = mechanism.crank_throws
+    throws = engine_file.crank_throws
     pins = throws[0].parts.pins
-    main = set(range(1, len(mechanism.throws) + 1)) - {
+    main = set(range(1, len(engine_file.throws) + 1)) - {
         number
-        for number, cylinder in enumerate(mechanism.layout.cylinders, start=1)
+        for number, cylinder in enumerate(engine_file.layout.cylinders, start=1)
         if cylinder.slave_pin is not None
     }
-    on_first = sum(mechanism.throws[number - 1] == 0 for number in main)
+    on_first = sum(engine_file.throws[number - 1] == 0 for number in main)
     rods_a_pin = max(1, math.ceil(on_first / len(pins)))
     # Throws side by side make a main journal of half of either's; at the ends there is another half.
     sides = zip((throws[0], *throws), (*throws, throws[-1]), strict=True)
@@ -445,7 +445,9 @@ def force_columns(
         columns |= {f"difference_{force}_N": values for force, values in changes}
         columns["difference_of_same_angle"] = compared.of_same_angle
         columns["difference_of_mean"] = compared.of_mean
-    heading = f"{run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}"
+    heading = (
+        f"{run.engine_file.engine.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}"
+    )
     return columns, heading
 
 

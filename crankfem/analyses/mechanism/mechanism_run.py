@@ -12,14 +12,12 @@ from crankbase.frames import table
 from crankbase.results import Quantity, Result, result
 from crankbase.summaries import summarized
 from crankfem.analyses.engine_mechanism import (
-    MechanismFile,
-    by_gas,
     full_load_only,
-    mechanism_of,
     pressures_at,
     with_throws,
 )
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.full_load import by_gas
 from dynamics.balance import Balance, HingedRodEffects, balance, hinged_rod_effects
 from dynamics.engine import RodModelName
 from dynamics.engine.forces import (
@@ -82,7 +80,7 @@ class CylinderWork(Result):
 
 
 @summarized(
-    "mechanism.name",
+    "engine_file.engine.name",
     "speed [rad/s]",
     "torque: torque.mean [N m]",
     "torque.power [W]",
@@ -103,7 +101,7 @@ class MechanismRun:
         Of the first crankpin with such rods; empty if there is none.
     """
 
-    mechanism: MechanismFile
+    engine_file: EngineFile
     layout: EngineLayout
     speed: float
     pressure: tuple[GasPressure, ...]
@@ -179,7 +177,7 @@ class MechanismRun:
 
 
 def run_mechanism(
-    mechanism: MechanismFile | EngineFile,
+    engine_file: EngineFile,
     speed: float | None = None,
     model: RodModelName = "rigid",
     *,
@@ -190,7 +188,7 @@ def run_mechanism(
 
     Parameters
     ----------
-    mechanism : MechanismFile or EngineFile
+    engine_file : EngineFile
         From `load_mechanism`, or a whole engine from `load_engine`.
     speed : float, optional
         [rad/s]; the rated speed by default.
@@ -208,49 +206,47 @@ def run_mechanism(
     MeshError
         If the throw's solid, needed for its unbalance, cannot be built.
     """
-    if isinstance(mechanism, EngineFile):
-        mechanism = mechanism_of(mechanism)
     allowed = "what load_engine or load_mechanism returns"
-    check_kind("mechanism", mechanism, MechanismFile, allowed)
-    if mechanism.gas is None:
+    check_kind("engine_file", engine_file, EngineFile, allowed)
+    if engine_file.gas is None:
         raise InputError(
-            f"{mechanism.path.name}: given no section [gas]; allowed is one with peak_pressure, "
+            f"{engine_file.path.name}: given no section [gas]; allowed is one with peak_pressure, "
             "mean_effective_pressure or pressure_table, because gas loads the mechanism."
         )
-    if motored and mechanism.power is not None and mechanism.power.driven:
+    if motored and engine_file.power is not None and engine_file.power.driven:
         raise InputError(
             "motored: given for a machine that is driven; allowed is an engine, because nothing burns in "
             "this one."
         )
-    turning = mechanism.rated_speed if speed is None else speed
-    layout = with_throws(mechanism, masses)
-    if not full_load_only(mechanism):
-        pressure = pressures_at(mechanism, [turning], motored=motored)[0]
+    turning = engine_file.engine.rated_speed if speed is None else speed
+    layout = with_throws(engine_file, masses)
+    if not full_load_only(engine_file):
+        pressure = pressures_at(engine_file, [turning], motored=motored)[0]
     elif motored:
-        pressure = by_gas(mechanism.gas, layout, motored_pressures)
+        pressure = by_gas(engine_file.gas, layout, motored_pressures)
     else:
-        pressure = mechanism.pressure
+        pressure = engine_file.pressure
     angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
-    torque = engine_torque(layout, turning, gas, model=model, throws=mechanism.throws)
+    torque = engine_torque(layout, turning, gas, model=model, throws=engine_file.throws)
     check_energy(torque)
     forces = mechanism_forces(
         layout, turning, gas, model=model, shaft_angles_deg=np.degrees(angles)
     )
     return MechanismRun(
-        mechanism=mechanism,
+        engine_file=engine_file,
         layout=layout,
         speed=turning,
         pressure=pressure,
         forces=forces,
         torque=torque,
         crankpins=crankpin_loads(forces),
-        bearings=main_bearing_loads(forces, mechanism.bearing_positions),
+        bearings=main_bearing_loads(forces, engine_file.bearing_positions),
         works=tuple(_works(torque, pressure, forces)),
         balance=balance(
             layout,
             turning,
             BALANCE_ORDERS,
-            about=0.5 * mechanism.bearing_positions[-1],
+            about=0.5 * engine_file.bearing_positions[-1],
             model="two-mass" if model == "two-mass" else "rigid",
         ),
         hinged_rods=_hinged_rods(layout, turning),

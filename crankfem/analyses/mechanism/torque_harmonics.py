@@ -11,7 +11,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Quantity, Result, result
 from crankbase.table import SI, Column, Main, OutputUnits, Table, table_unit
-from crankfem.analyses.engine_mechanism import MechanismFile
+from crankfem.files.engine.engine_file import EngineFile
 from dynamics.harmonics import Harmonics, Spectrum, TorqueTable
 from dynamics.torque import (
     EngineTorque,
@@ -354,20 +354,20 @@ class EngineHarmonics(FiredCylinders):
 
 
 def engine_harmonics(
-    mechanism: MechanismFile,
+    engine_file: EngineFile,
     torque: EngineTorque,
     highest: float,
     cylinder: PinForceHarmonics | None = None,
 ) -> EngineHarmonics:
     """Split an engine's torque into orders up to a highest one."""
     engine = torque.engine
-    remarks = list(mechanism.remarks)
-    if not mechanism.pressure:
+    remarks = list(engine_file.remarks)
+    if not engine_file.pressure:
         remarks.append("the file has no section [gas]: the torque is that of moving masses alone")
     return EngineHarmonics(
         firing_angles_deg=engine.firing_deg,
         stars=star_diagram(engine, highest),
-        engine=mechanism.name,
+        engine=engine_file.engine.name,
         torque=torque,
         rod_model="rigid",
         strokes=engine.strokes,

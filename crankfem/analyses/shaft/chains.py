@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
 from crankbase.quantity import UNITS, VIBRATING, compact, format_quantity, significant, unit_symbol
-from crankfem.analyses.engine_mechanism import layout_of
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.engine_sections import Flywheel, ThrustBearing
 from crankfem.files.sections.mechanism_sections import load_points
 from dynamics import wording
 from dynamics.chains.dampers import TorsionalDamper
@@ -46,12 +46,12 @@ def engine_axial_chain(
     throw_masses : float or (n,) array_like
         Of the throws [kg].
     """
-    thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
+    thrust, damper = engine_file.required(ThrustBearing), engine_file.axial_damper
     at_free_end = 0.0 if engine_file.free_end is None else engine_file.free_end.mass
     return axial_chain(
         compliances,
         np.broadcast_to(throw_masses, len(compliances)),
-        engine_file.flywheel.mass,
+        engine_file.required(Flywheel).mass,
         thrust.section_index,
         thrust.stiffness,
         {0: at_free_end},
@@ -71,7 +71,7 @@ def engine_throw_inertias(engine_file: EngineFile, solid_inertias: ArrayLike) ->
         Of the throws' solids about the shaft, counterweights included [kg m^2].
     """
     return throw_inertias(
-        layout_of(engine_file),
+        engine_file.layout,
         solid_inertias,
         reciprocating=engine_file.vibration.reciprocating,
         throws=engine_file.throws,
@@ -106,7 +106,7 @@ def engine_torsional_chain(
     return torsional_chain(
         compliances,
         inertias,
-        engine_file.flywheel.inertia,
+        engine_file.required(Flywheel).inertia,
         0.0 if free_end is None else free_end.inertia,
         driven_machine(engine_file),
         loss_factor=loss,
@@ -283,7 +283,7 @@ def shaft_surroundings(
     solids = np.array([own.masses.inertia_about_shaft for own in each])
     rods = engine_throw_inertias(engine_file, solids) - solids
     at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
-    thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
+    thrust, damper = engine_file.required(ThrustBearing), engine_file.axial_damper
     torsional, driven = engine_file.torsional_damper, driven_machine(engine_file)
     supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
     if damper is not None:
@@ -320,7 +320,8 @@ def _bearings(engine_file: EngineFile) -> tuple[MainBearings, Remarks]:
 
 def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:
     """Return the flywheel's distance beyond the last main journal's middle [m], and whether it is given."""
-    overhang, thickness = engine_file.flywheel.overhang, engine_file.shaft_ends.flange_thickness
+    overhang = engine_file.required(Flywheel).overhang
+    thickness = engine_file.shaft_ends.flange_thickness
     if overhang is not None:
         return overhang, True
     if thickness is not None:
@@ -329,7 +330,8 @@ def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:
 
 
 def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
-    flywheel, (overhang, known) = engine_file.flywheel, flywheel_overhang(engine_file)
+    flywheel = engine_file.required(Flywheel)
+    overhang, known = flywheel_overhang(engine_file)
     beyond = f"{format_quantity(overhang, 'm')} beyond"
     if known:
         where = f"{beyond} the last main journal's middle"

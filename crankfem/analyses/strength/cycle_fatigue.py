@@ -20,7 +20,6 @@ from crankbase.frames import DataFrame, Row, table_of
 from crankbase.quantity import RPM
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
 from crankbase.table import Column, Table
-from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads, judged_speeds
 from crankfem.analyses.strength.engine_strength import EngineStrength, engine_strength
 from crankfem.analyses.vibration.misfiring import Cylinders
@@ -255,7 +254,6 @@ def engine_fatigue(
     *,
     stresses: Mapping[str, FilletStresses] | None = None,
     strength: EngineStrength | None = None,
-    mechanism: MechanismFile | None = None,
 ) -> EngineFatigue:
     """Find the fatigue of an engine's crankshaft over the working cycle.
 
@@ -267,8 +265,6 @@ def engine_fatigue(
         Of each distinct throw by its name, if available: their meshes are used.
     strength : EngineStrength, optional
         By the rule, if available.
-    mechanism : MechanismFile, optional
-        Of the same engine, if available.
 
     Raises
     ------
@@ -285,8 +281,7 @@ def engine_fatigue(
     fatigue strength of UR M53 for the location.
     """
     file = vibration.engine_file
-    known = mechanism_of(file) if mechanism is None else mechanism
-    rule = strength or engine_strength(vibration, mechanism=known, stresses=stresses)
+    rule = strength or engine_strength(vibration, stresses=stresses)
     section = file.strength
     assert section is not None  # or there were no rule
     kept, _ = judged_speeds(vibration)
@@ -297,7 +292,7 @@ def engine_fatigue(
     cases = dict.fromkeys([(), *(judged_throw.torque.cylinders for judged_throw in rule.throws)])
     factor = findley_factor()
     candidates: dict[tuple[int, int], list[Candidate]] = {}
-    for loads in cycle_loads(vibration, known, speeds, cases):
+    for loads in cycle_loads(vibration, speeds, cases):
         for throw, name in enumerate(file.throw_names):
             amplitudes = fields[name].amplitudes(loads.ends[throw], loads.pins[throw])
             for number, site in enumerate(fields[name].sites):
@@ -322,7 +317,6 @@ def fatigue_or_reason(
     vibration: EngineVibration,
     strength: EngineStrength,
     stresses: Mapping[str, FilletStresses],
-    mechanism: MechanismFile | None,
 ) -> tuple[EngineFatigue | None, str | None]:
     """Find the fatigue over the cycle; if impossible, the other results remain.
 
@@ -333,9 +327,7 @@ def fatigue_or_reason(
         Why there is none.
     """
     try:
-        fatigue = engine_fatigue(
-            vibration, stresses=stresses, strength=strength, mechanism=mechanism
-        )
+        fatigue = engine_fatigue(vibration, stresses=stresses, strength=strength)
     except (InputError, MeshError, SolveError) as error:
         return None, str(error)
     return fatigue, None

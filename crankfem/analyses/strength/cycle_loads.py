@@ -16,7 +16,6 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
-from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
@@ -95,15 +94,13 @@ class ShaftLoads:
         return max((loads[throw] for loads in both if loads), key=lambda load: load.value)
 
 
-def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLoads:
+def shaft_loads(vibration: EngineVibration) -> ShaftLoads:
     """Find the largest alternating loads at running speeds outside barred ranges.
 
     Parameters
     ----------
     vibration : EngineVibration
         With forced vibration: its speeds include every resonance, its verdict the barred ranges.
-    mechanism : MechanismFile
-        Of the same engine.
 
     Notes
     -----
@@ -114,7 +111,7 @@ def shaft_loads(vibration: EngineVibration, mechanism: MechanismFile) -> ShaftLo
     assert forced is not None
     kept, barred = judged_speeds(vibration)
     speeds = forced.response.speeds
-    largest = dict(_cases(vibration, mechanism, speeds[kept]))
+    largest = dict(_cases(vibration, speeds[kept]))
     normal, axial = largest.pop(())
     mean = np.abs(forced.forces.mean_torque[kept])[:, np.newaxis]
     worst: list[LargestLoad] = []
@@ -151,22 +148,22 @@ def judged_speeds(
     return running & ~within_any(speeds, barred), barred
 
 
-def superposition(vibration: EngineVibration, mechanism: MechanismFile) -> Superposition:
+def superposition(vibration: EngineVibration) -> Superposition:
     """Return the sums of torques and axial forces of throws in normal firing and misfiring."""
     file = vibration.engine_file
     chains = EngineChains.of(file, vibration.axial, vibration.torsional, vibration.shaft)
-    firing = engine_harmonics(file, mechanism)
+    firing = engine_harmonics(file)
     failing = firing
     if vibration.misfiring is not None:
-        failing = failing_harmonics(file, mechanism, firing)
+        failing = failing_harmonics(file, firing)
     return Superposition(chains, firing, failing, _loads)
 
 
 def _cases(
-    vibration: EngineVibration, mechanism: MechanismFile, speeds: FloatArray
+    vibration: EngineVibration, speeds: FloatArray
 ) -> Iterator[tuple[Cylinders, tuple[FloatArray, FloatArray]]]:
     """Return amplitudes of torque and axial force of each throw (S, n) in normal firing and each case."""
-    file, added = vibration.engine_file, superposition(vibration, mechanism)
+    file, added = vibration.engine_file, superposition(vibration)
     cases = () if vibration.misfiring is None else misfiring_cases(file)
     for case, series in added.at(speeds, [(), *cases]):
         yield (
@@ -206,17 +203,13 @@ def _value(load: LargestLoad) -> float:
     return load.value
 
 
-def supported_throws(
-    engine: EngineFile, *, mechanism: MechanismFile | None = None
-) -> tuple[SupportedThrow, ...]:
+def supported_throws(engine: EngineFile) -> tuple[SupportedThrow, ...]:
     """Return each single throw of an engine, with the forces of its rods over a cycle at rated speed.
 
     Parameters
     ----------
     engine : EngineFile
         With gas pressure.
-    mechanism : MechanismFile, optional
-        Of the same engine, if available.
 
     Returns
     -------
@@ -228,9 +221,8 @@ def supported_throws(
     InputError
         If the pressure cannot be reached.
     """
-    known = mechanism_of(engine) if mechanism is None else mechanism
-    layout, speed, starts = known.layout, known.rated_speed, known.bearing_positions
-    (pressure,) = pressures_of_cylinders(engine, known, np.array([speed]))
+    layout, speed, starts = engine.layout, engine.engine.rated_speed, engine.bearing_positions
+    (pressure,) = pressures_of_cylinders(engine, np.array([speed]))
     angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
     forces = mechanism_forces(layout, speed, gas, shaft_angles_deg=np.degrees(angles))
     supported = []
@@ -343,7 +335,6 @@ class ShaftUnderForces:
 
 def cycle_loads(
     vibration: EngineVibration,
-    mechanism: MechanismFile,
     speeds: FloatArray,
     cases: Iterable[Cylinders],
 ) -> Iterator[CycleLoads]:
@@ -353,16 +344,14 @@ def cycle_loads(
     ----------
     vibration : EngineVibration
         Of an engine with one pin in each throw.
-    mechanism : MechanismFile
-        Of the same engine.
     speeds : (S,) array
         [rad/s]
     cases : iterable of tuples of int
         Cylinders that misfire; none in normal firing.
     """
-    added, shaft = superposition(vibration, mechanism), shaft_under_forces(vibration)
+    added, shaft = superposition(vibration), shaft_under_forces(vibration)
     for case, series in added.at(speeds, cases):
-        yield _case(vibration, mechanism, shaft, added, case, series)
+        yield _case(vibration, shaft, added, case, series)
 
 
 def shaft_under_forces(vibration: EngineVibration) -> ShaftUnderForces:
@@ -378,7 +367,6 @@ def shaft_under_forces(vibration: EngineVibration) -> ShaftUnderForces:
 
 def _case(
     vibration: EngineVibration,
-    mechanism: MechanismFile,
     shaft: ShaftUnderForces,
     added: Superposition,
     case: Cylinders,
@@ -408,7 +396,7 @@ def _case(
     tangential = over_cycle(forces.tangential, forces.orders) + forces.mean_tangential[:, None]
     radial = over_cycle(forces.radial, forces.orders) + forces.mean_radial[:, None]
     pins = np.zeros((count, speeds.size, angles.size, 6))
-    layout, starts = mechanism.layout, mechanism.bearing_positions
+    layout, starts = file.layout, file.bearing_positions
     for cylinder, throw in enumerate(file.throws):
         (pin,) = file.crank_throws[throw].parts.pins
         along = layout.cylinders[cylinder].position - starts[throw]

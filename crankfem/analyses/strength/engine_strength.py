@@ -13,7 +13,6 @@ from crankbase.frames import DataFrame, table_of
 from crankbase.quantity import RPM, UNBOUNDED, percent
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table
-from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.strength.cycle_loads import (
     HIGHEST_ORDER,
     LargestLoad,
@@ -541,7 +540,6 @@ class EngineStrength(Result):
 def engine_strength(
     vibration: EngineVibration,
     *,
-    mechanism: MechanismFile | None = None,
     stresses: Mapping[str, FilletStresses] | None = None,
 ) -> EngineStrength:
     """Assess the strength of an engine's crankshaft by UR M53.
@@ -551,8 +549,6 @@ def engine_strength(
     vibration : EngineVibration
         From `engine_vibration`, of an engine with the section [strength]: its torques, barred ranges and
         axial forces.
-    mechanism : MechanismFile, optional
-        Of the same engine, if available.
     stresses : mapping, optional
         Of each distinct throw by its name: factors by finite elements are reported with the formulas'.
         They are calculated, by Appendix III, if ``strength.factors`` selects them.
@@ -577,13 +573,12 @@ def engine_strength(
             f"{file.path.name}: given no section [strength]; allowed is one with tensile_strength, "
             "manufacture and piston, because the strength of the crankshaft depends on them."
         )
-    known = mechanism_of(file) if mechanism is None else mechanism
-    loads = shaft_loads(vibration, known)
+    loads = shaft_loads(vibration)
     by_elements = section.factors == "finite elements"
     if stresses is None:
         stresses = engine_stresses(file) if by_elements else {}
     throws = []
-    for place, supported in enumerate(supported_throws(file, mechanism=known)):
+    for place, supported in enumerate(supported_throws(file)):
         throw = file.crank_throws[place]
         fit = shrink_fit(throw, section, loads.passed_on[place], file.material.youngs_modulus)
         webs, throw_stresses = throw_webs(throw, section), stresses.get(file.throw_names[place])

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankfem.analyses.engine_mechanism import MechanismFile, mechanism_of
 from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
@@ -132,10 +131,10 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     run : EngineVibration
         With gas pressure.
     """
-    file, mechanism = run.engine_file, mechanism_of(run.engine_file)
+    file = run.engine_file
     chains = EngineChains.of(file, run.axial, run.torsional, run.shaft)
     share, notes = HIGHEST_SHARE, []
-    harmonics = engine_harmonics(file, mechanism, share)
+    harmonics = engine_harmonics(file, share)
     speeds = calculated_speeds(file, harmonics.orders, chains.damped, above_rated=share)
     speeds = merged_speeds(speeds, [one for one in _worst_speeds(run) if one <= speeds[-1]])
     if not at_most(share * file.engine.rated_speed, speeds[-1]):
@@ -155,7 +154,7 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     firing = None
     ways = ((MISFIRING, True), (CUT_OUT, False))
     for way, compression in ways[1:] if file.engine.driven_by else ways:
-        cold = _cold(file, mechanism, harmonics, compression, share)
+        cold = _cold(file, harmonics, compression, share)
         if isinstance(cold, str):
             notes.append(f"{way} is not calculated: {cold}")
             continue
@@ -189,16 +188,13 @@ def _worst_speeds(run: EngineVibration) -> list[float]:
 
 def _cold(
     file: EngineFile,
-    mechanism: MechanismFile,
     firing: CylinderHarmonics,
     compression: bool,
     share: float,
 ) -> CylinderHarmonics | str:
     """Return the harmonics of cylinders without combustion, or why they are unknown."""
     try:
-        return failing_harmonics(
-            file, mechanism, firing, share, misfire=Misfire(compression=compression)
-        )
+        return failing_harmonics(file, firing, share, misfire=Misfire(compression=compression))
     except InputError as error:
         return str(error)
 

@@ -13,10 +13,8 @@ from crankbase.quantity import UNBOUNDED, format_quantity, percent
 from crankbase.summaries import summarized
 from crankbase.table import Cell, Column, OutputUnit, Table
 from crankfem.analyses.engine_mechanism import (
-    MechanismFile,
     curve_at,
     full_load_only,
-    mechanism_of,
     pressure_maps,
 )
 from crankfem.analyses.submission.firing_cases import (
@@ -204,15 +202,14 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
         Over the area of the piston [Pa]; the last column is that of the moving masses at rated speed.
     note : str
     """
-    file, mechanism = run.engine_file, mechanism_of(run.engine_file)
+    file = run.engine_file
     assert run.load is not None
     rated = file.engine.rated_speed
-    whole = engine_harmonics(file, mechanism, HIGHEST_SHARE)
-    steady = file.gas_map is None and full_load_only(mechanism)
-    gas_section = mechanism.gas
-    by_cycle = gas_section is not None and gas_section.pressure_table is None
+    whole = engine_harmonics(file, HIGHEST_SHARE)
+    steady = file.gas_map is None and full_load_only(file)
+    by_cycle = file.gas is not None and file.gas.pressure_table is None
     if steady and by_cycle and not file.engine.driven_by:
-        gas, means = _part_loads(run, mechanism)
+        gas, means = _part_loads(run)
         loads = [
             f"{100.0 * share:g} %, {mean / 1e6:.3g} MPa"
             for share, mean in zip(LOADS, means.tolist(), strict=True)
@@ -244,17 +241,17 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
     )
 
 
-def _part_loads(run: EngineVibration, mechanism: MechanismFile) -> tuple[ComplexArray, FloatArray]:
+def _part_loads(run: EngineVibration) -> tuple[ComplexArray, FloatArray]:
     """Phasors (K, m) of the gas force of cylinder 1 at part loads, and the mean indicated pressures [Pa].
 
     With a propeller's law, each load is that at the speed at which it reaches this share.
     """
     assert run.load is not None
-    along = replace(mechanism, load=LoadSection(law="propeller"))
-    speeds = mechanism.rated_speed * np.sqrt(LOADS)
+    along = run.engine_file.changed(load=LoadSection(law="propeller"))
+    speeds = along.engine.rated_speed * np.sqrt(LOADS)
     maps = pressure_maps(along, (float(speeds[0]), float(speeds[-1])))
     harmonics = cylinder_harmonics(
-        mechanism.layout, orders_of(run), maps, inertia=False, throws=mechanism.throws
+        along.layout, orders_of(run), maps, inertia=False, throws=along.throws
     )
     full = run.load.mean_pressure[-1]
     return harmonics.phasors(speeds)[1:, :, 0, 0], full * curve_at(along, speeds).mean_pressure

@@ -12,6 +12,7 @@ from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import forces_over_speeds
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.engine_sections import ThrustBearing
 from dynamics import wording
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.cycle import cycle_degrees, even_angles
@@ -120,16 +121,16 @@ def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForc
     )
     influence = np.stack((shaft.influence, by_torque), axis=-1)
     pulled, _ = chains.answers(forces)
-    moved = None
+    moved, thrust = None, file.required(ThrustBearing)
     if not np.any(pulled.response.unbounded):
-        node = pulled.engine_chain.sections[file.thrust_bearing.section_index]
+        node = pulled.engine_chain.sections[thrust.section_index]
         moved = pulled.response.nodes.at_angle(0, shaft_angle_deg=angles)[:, node]
     return axial_force_over_cycle(
         file.engine.rated_speed,
         on_pins,
         shaft.axial,
         influence,
-        None if moved is None else file.thrust_bearing.stiffness * moved,
+        None if moved is None else thrust.stiffness * moved,
         shaft_angles_deg=angles,
     )
 
@@ -147,7 +148,7 @@ def axial_forces(
     coupled : CoupledResponse, optional
         Of the whole crankshaft, if it has the same bodies as the chain.
     """
-    thrust, running = engine_file.thrust_bearing, forced.running_range
+    thrust, running = engine_file.required(ThrustBearing), forced.running_range
     node = forced.engine_chain.sections[thrust.section_index]
     by_chain = thrust.stiffness * forced.response.synthesis.amplitude[:, node]
     whole = None

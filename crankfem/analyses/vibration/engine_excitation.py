@@ -13,11 +13,8 @@ from crankbase.errors import InputError
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.engine_mechanism import (
-    MechanismFile,
     curve_at,
     full_load_only,
-    mechanism_of,
-    motored_for_misfire,
     pressure_maps,
     pressures_at,
 )
@@ -43,6 +40,7 @@ from crankfem.analyses.vibration.engine_limits import (
 )
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.full_load import motored_for_misfire
 from crankfem.files.sections.excitation_sections import (
     GasMap,
     Misfire,
@@ -202,7 +200,7 @@ class EngineLoad(Result):
 
 
 def pressure_over_speeds(
-    engine_file: EngineFile, mechanism: MechanismFile, speed_range: tuple[float, float]
+    engine_file: EngineFile, speed_range: tuple[float, float]
 ) -> PressureMap | tuple[PressureMap | GasPressure, ...]:
     """Return the pressure for `cylinder_harmonics`: along a load, of the file's map, or of full load.
 
@@ -213,9 +211,9 @@ def pressure_over_speeds(
     """
     if engine_file.gas_map is not None:
         return engine_gas_map(engine_file, engine_file.gas_map)
-    if full_load_only(mechanism):
-        return mechanism.pressure
-    return pressure_maps(mechanism, speed_range)
+    if full_load_only(engine_file):
+        return engine_file.pressure
+    return pressure_maps(engine_file, speed_range)
 
 
 def engine_gas_map(engine_file: EngineFile, section: GasMap) -> PressureMap:
@@ -224,7 +222,7 @@ def engine_gas_map(engine_file: EngineFile, section: GasMap) -> PressureMap:
     return gas_map_pressure(section, engine.strokes, engine_file.files, fires=not engine.driven_by)
 
 
-def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad:
+def engine_load(engine_file: EngineFile) -> EngineLoad:
     """Return the load of an engine over its running range.
 
     Parameters
@@ -250,12 +248,12 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
             ),
         ]
     )
-    pressures_at_speeds = pressures_of_cylinders(engine_file, mechanism, speeds)
+    pressures_at_speeds = pressures_of_cylinders(engine_file, speeds)
     indicated = [
-        indicated_power(mechanism.layout, pressures, speed)
+        indicated_power(engine_file.layout, pressures, speed)
         for pressures, speed in zip(pressures_at_speeds, speeds.tolist(), strict=True)
     ]
-    law, section, rated = "constant", engine_file.load, mechanism.power
+    law, section, rated = "constant", engine_file.load, engine_file.power
     if engine_file.gas_map is not None:
         law = "map"
         at_rated = indicated[int(np.flatnonzero(speeds == engine.rated_speed)[0])]
@@ -276,7 +274,7 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
             [max(pressure.peak_pressure for pressure in each) for each in pressures_at_speeds]
         ),
         intake_pressure=(
-            None if law in ("constant", "map") else curve_at(mechanism, speeds).intake_pressure
+            None if law in ("constant", "map") else curve_at(engine_file, speeds).intake_pressure
         ),
         friction_pressure=friction,
         rated=rated,
@@ -284,18 +282,18 @@ def engine_load(engine_file: EngineFile, mechanism: MechanismFile) -> EngineLoad
 
 
 def pressures_of_cylinders(
-    engine_file: EngineFile, mechanism: MechanismFile, speeds: FloatArray
+    engine_file: EngineFile, speeds: FloatArray
 ) -> Sequence[tuple[GasPressure, ...]]:
     """Return the pressure in each cylinder at each speed."""
     section, engine = engine_file.gas_map, engine_file.engine
     if section is None:
-        if full_load_only(mechanism):
-            return [mechanism.pressure] * speeds.size
-        return pressures_at(mechanism, speeds)
+        if full_load_only(engine_file):
+            return [engine_file.pressure] * speeds.size
+        return pressures_at(engine_file, speeds)
     diagrams = engine_gas_map(engine_file, section)
     load = gas_map_load(section, engine.rated_speed)
     loads = [None] * speeds.size if load is None else load_at(load, speeds).tolist()
-    cylinders = len(mechanism.layout.cylinders)
+    cylinders = len(engine_file.layout.cylinders)
     return [
         (diagrams.at(speed, there),) * cylinders
         for speed, there in zip(speeds.tolist(), loads, strict=True)
@@ -314,16 +312,15 @@ Frequencies = Sequence[float] | NDArray[np.float64]
 
 
 def engine_harmonics(
-    engine_file: EngineFile, mechanism: MechanismFile, above_rated: float = ABOVE_RATED
+    engine_file: EngineFile, above_rated: float = ABOVE_RATED
 ) -> CylinderHarmonics:
     """Harmonics of the pin forces of an engine's cylinders, up to the file's highest order.
 
     Parameters
     ----------
     engine_file : EngineFile
-        Its load, or its pressure map, determines the pressure at each speed; full load by default.
-    mechanism : MechanismFile
-        With gas pressure.
+        With gas pressure. Its load, or its pressure map, determines that at each speed; full load by
+        default.
     above_rated : float, optional
         As of `calculated_range`.
 
@@ -333,18 +330,17 @@ def engine_harmonics(
         If a pressure cannot be read, or its samples do not resolve the highest order.
     """
     speed_range = calculated_range(engine_file, above_rated)
-    pressure = pressure_over_speeds(engine_file, mechanism, speed_range)
+    pressure = pressure_over_speeds(engine_file, speed_range)
     return cylinder_harmonics(
-        mechanism.layout,
+        engine_file.layout,
         engine_orders(engine_file.engine.strokes, engine_file.vibration.highest_order),
         pressure,
-        throws=mechanism.throws,
+        throws=engine_file.throws,
     )
 
 
 def failing_harmonics(
     engine_file: EngineFile,
-    mechanism: MechanismFile,
     firing: CylinderHarmonics,
     above_rated: float = ABOVE_RATED,
     *,
@@ -376,11 +372,11 @@ def failing_harmonics(
             "the pressure without combustion follows from it."
         )
     motored = (
-        motored_for_misfire(engine_file.gas, mechanism.layout, mechanism.pressure)
-        if full_load_only(mechanism)
-        else pressure_maps(mechanism, calculated_range(engine_file, above_rated), motored=True)
+        motored_for_misfire(engine_file.gas, engine_file.layout, engine_file.pressure)
+        if full_load_only(engine_file)
+        else pressure_maps(engine_file, calculated_range(engine_file, above_rated), motored=True)
     )
-    return cylinder_harmonics(mechanism.layout, firing.orders, motored, throws=mechanism.throws)
+    return cylinder_harmonics(engine_file.layout, firing.orders, motored, throws=engine_file.throws)
 
 
 def calculated_speeds(
@@ -610,23 +606,15 @@ def refuse_vibration(engine_file: EngineFile) -> None:
     _refuse_chains(engine_file)
 
 
-def refuse_forced_vibration(engine_file: EngineFile) -> MechanismFile:
-    """Refuse pressures that cannot be reached or resolved, and a saved model that does not fit, too.
-
-    Returns
-    -------
-    MechanismFile
-        That of the engine, which is made for this.
-    """
+def refuse_forced_vibration(engine_file: EngineFile) -> None:
+    """Refuse pressures that cannot be reached or resolved, and a saved model that does not fit, too."""
     refuse_vibration(engine_file)
-    mechanism = mechanism_of(engine_file)
     if engine_file.gas is not None or engine_file.gas_map is not None:
-        harmonics = engine_harmonics(engine_file, mechanism)
+        harmonics = engine_harmonics(engine_file)
         if engine_file.misfire is not None:
-            _ = failing_harmonics(engine_file, mechanism, harmonics)
+            _ = failing_harmonics(engine_file, harmonics)
     if engine_file.vibration.model is not None:
         usable_model(engine_file, None)
-    return mechanism
 
 
 def _refuse_formulas(engine_file: EngineFile) -> None:

@@ -1,6 +1,5 @@
 """The limits of an engine file, including those from rules, and the speeds at which they apply."""
 
-import weakref
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -144,8 +143,6 @@ def limited_quantities(engine_file: EngineFile) -> dict[str, LimitedQuantity]:
 
 # The limits of a file by their names, and remarks.
 Limits = tuple[dict[str, VibrationLimit], tuple[str, ...]]
-# Of each file that is in use, by its identity.
-_KNOWN: dict[int, Limits] = {}
 
 
 def engine_limits(engine_file: EngineFile) -> Limits:
@@ -164,11 +161,7 @@ def engine_limits(engine_file: EngineFile) -> Limits:
     remarks : tuple of str
         What is not assessed, or was assumed.
     """
-    key = id(engine_file)
-    if key not in _KNOWN:
-        _KNOWN[key] = _engine_limits(engine_file)
-        weakref.finalize(engine_file, _KNOWN.pop, key, None)
-    return _KNOWN[key]
+    return engine_file.once(_engine_limits)
 
 
 def _engine_limits(engine_file: EngineFile) -> Limits:

@@ -16,7 +16,6 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Quantity, Result, Speed, result
 from crankbase.table import Column, Table
-from crankfem.analyses.engine_mechanism import mechanism_of
 from crankfem.analyses.shaft.chains import (
     damped_engine_chain,
     engine_axial_chain,
@@ -242,7 +241,7 @@ def vibration_slopes(
         np.array([crank.mass for crank in cranks]),
         np.array([crank.masses.inertia_about_shaft for crank in cranks]),
         shaft,
-        None if check is None else engine_harmonics(engine_file, mechanism_of(engine_file)),
+        None if check is None else engine_harmonics(engine_file),
     )
     model = _Model(analyses, axial, torsional, check)
     left_out: dict[str, str] = {}
@@ -357,7 +356,7 @@ def _of_file(shaft: _Shaft, engine_file: EngineFile, *changed: str) -> _Shaft:
     """Return the shaft of a file with other sections."""
     harmonics = shaft.harmonics
     if harmonics is not None and set(changed) & {"engine", *MOVING_PARTS}:
-        harmonics = engine_harmonics(engine_file, mechanism_of(engine_file))
+        harmonics = engine_harmonics(engine_file)
     return replace(shaft, engine_file=engine_file, harmonics=harmonics)
 
 

@@ -12,7 +12,6 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.frames import Row, table_of
 from crankbase.results import Flat, InItsUnit, Internal, Part, Quantity, Result, Speed, result
-from crankfem.analyses.engine_mechanism import MechanismFile
 from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains, cause_at
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
@@ -384,7 +383,7 @@ class Misfiring(Result):
 
 
 def misfiring_or_reason(
-    chains: EngineChains, mechanism: MechanismFile, harmonics: CylinderHarmonics
+    chains: EngineChains, harmonics: CylinderHarmonics
 ) -> tuple[Misfiring | None, str]:
     """Calculate the vibration while cylinders misfire; without a section [misfire] each one in turn.
 
@@ -402,7 +401,7 @@ def misfiring_or_reason(
     if file.engine.driven_by:
         return None, "misfiring is not calculated: nothing fires in a driven machine"
     try:
-        failing = failing_harmonics(file, mechanism, harmonics)
+        failing = failing_harmonics(file, harmonics)
     except InputError as error:
         if file.misfire is not None:
             raise

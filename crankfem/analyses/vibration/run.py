@@ -12,7 +12,6 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.engine_mechanism import MechanismFile, layout_of, mechanism_of
 from crankfem.analyses.record import AssumedInput, assumed_values
 from crankfem.analyses.shaft.sources import compliances_in_shaft, usable_model
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
@@ -316,7 +315,6 @@ def engine_vibration(
     engine: str | Path | EngineFile,
     *,
     analysis: Analyses | None = None,
-    mechanism: MechanismFile | None = None,
     model: "ComplianceModel | None" = None,
     coupled: bool = False,
     step: Callable[[str], None] | None = None,
@@ -330,8 +328,6 @@ def engine_vibration(
         (`EngineFile.changed`).
     analysis : ThrowAnalysis or mapping, optional
         Of its throw, if available; of several throws a mapping by name.
-    mechanism : MechanismFile, optional
-        Of the same engine, if available.
     model : ComplianceModel, optional
         Regression of compliances, one more source of them; by default the one named in the file.
     coupled : bool, optional
@@ -343,21 +339,19 @@ def engine_vibration(
     ------
     InputError
         If the file cannot be used, a regression that does not cover the throws is to be the source, or
-        analysis or mechanism are those of another engine.
+        the analysis is that of another engine.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
     tell = step or (lambda _: None)
     read = engine if isinstance(engine, EngineFile) else load_engine(engine)
-    if mechanism is None:
-        mechanism = mechanism_of(read)
     analyses = None if analysis is None else analyses_by_name(read, analysis)
-    _check_same_engine(read, analyses, mechanism)
+    _check_same_engine(read, analyses)
     forcing = read.gas is not None or read.gas_map is not None
-    harmonics = engine_harmonics(read, mechanism) if forcing else None
+    harmonics = engine_harmonics(read) if forcing else None
     refuse_vibration(read)
     model = usable_model(read, model)
-    load = engine_load(read, mechanism) if forcing else None
+    load = engine_load(read) if forcing else None
     if analyses is None:
         tell("Analyzing the throw" if len(read.named_throws) == 1 else "Analyzing the throws")
         analyses = analyze_throws(read)
@@ -382,7 +376,7 @@ def engine_vibration(
         axial_force = axial_cycle(ready, harmonics)
         if not read.engine.driven_by:
             tell("Calculating misfiring")
-        misfiring, note = misfiring_or_reason(ready, mechanism, harmonics)
+        misfiring, note = misfiring_or_reason(ready, harmonics)
         if held:
             tell("Varying the main bearings")
             held = with_answers(read, held, harmonics)
@@ -443,10 +437,8 @@ def engine_vibration(
     )
 
 
-def _check_same_engine(
-    engine: EngineFile, analyses: Mapping[str, ThrowAnalysis] | None, mechanism: MechanismFile
-) -> None:
-    """Refuse analyses or models of another engine, or of an earlier state of this one."""
+def _check_same_engine(engine: EngineFile, analyses: Mapping[str, ThrowAnalysis] | None) -> None:
+    """Refuse analyses of another engine, or of an earlier state of this one."""
     for name, own in (analyses or {}).items():
         if (own.throw, own.material) != (engine.named_throws[name], engine.material):
             throw = f"named_throws[{name!r}]" if engine.throws_by_name else "throw"
@@ -454,9 +446,3 @@ def _check_same_engine(
                 "analysis: given that of another throw or material; allowed is that of the engine's own, by "
                 f"analyze_throw(engine.{throw}, engine.material), because its compliances are used."
             )
-    described = (engine.gas, engine.load, layout_of(engine))
-    if (mechanism.gas, mechanism.load, mechanism.layout) != described:
-        raise InputError(
-            "mechanism: given one with other cylinders, rods or pressure than the engine's; allowed is its "
-            "own, by mechanism_of(engine), because its forces are used."
-        )

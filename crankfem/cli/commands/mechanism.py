@@ -50,27 +50,28 @@ def mechanism(
     out: Output,
 ) -> None:
     """Calculate forces in the crank mechanism, bearing loads, and the balance of the engine."""
-    from crankfem.analyses.engine_mechanism import load_mechanism, mechanism_inputs
+    from crankfem.analyses.engine_mechanism import engine_inputs, input_warnings
     from crankfem.analyses.mechanism.mechanism_results import force_columns, mechanism_details
     from crankfem.analyses.mechanism.mechanism_run import run_mechanism
     from crankfem.analyses.mechanism.plots import ENGINE_FILES, plot_engine, plot_model_difference
     from crankfem.analyses.titles import at_speed
     from crankfem.cli.arguments import parse_speed
     from crankfem.cli.console import write_columns
+    from crankfem.files.engine.engine_file import load_mechanism
     from crankfem.jobs.outputs import check_outputs
     from crankfem.report.interactive.mechanism import MECHANISM
 
     loaded, turning, models = load_mechanism(engine), parse_speed(speed), _rod_models(model)
-    inputs = mechanism_inputs(loaded)
+    inputs = [file.path for file in engine_inputs(loaded)]
     names = [*MECHANISM.files(), *ENGINE_FILES, *([ROD_MODELS_FILE] if len(models) == 2 else [])]
     folder = check_outputs(csv, pictures, *inputs, names=names)
-    console.print_warnings(loaded.warnings, out.units)
+    console.print_warnings(input_warnings(loaded), out.units)
     run = run_mechanism(loaded, turning, models[0], motored=motored)
     details = mechanism_details(run, *models[1:], rods_shown=bool(model))
     compared = details.model_difference
     if csv is not None:
         write_columns(csv, *force_columns(run, compared))
-    made, title = [], at_speed(loaded.name, run.speed)
+    made, title = [], at_speed(loaded.engine.name, run.speed)
     if folder is not None:
         made = [*MECHANISM.draw(folder, run), *plot_engine(folder, run, title=title)]
     if folder is not None and compared is not None:
@@ -262,20 +263,16 @@ def _torque_table_harmonics(source: str, asked: _Request) -> "TableHarmonics":
 
 def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
     from crankfem.analyses import titles
-    from crankfem.analyses.engine_mechanism import (
-        full_load_only,
-        load_mechanism,
-        mechanism_inputs,
-        pressures_at,
-    )
+    from crankfem.analyses.engine_mechanism import engine_inputs, full_load_only, pressures_at
     from crankfem.analyses.mechanism.plots import FILES, picture_torque
     from crankfem.analyses.mechanism.torque_harmonics import engine_harmonics
     from crankfem.cli.arguments import parse_speed
+    from crankfem.files.engine.engine_file import load_mechanism
     from crankfem.jobs.outputs import check_outputs
     from dynamics.torque import engine_torque, pin_force_harmonics
 
-    mechanism = load_mechanism(source)
-    engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder
+    engine_file = load_mechanism(source)
+    engine, strokes, cylinder = engine_file.layout, asked.strokes, asked.cylinder
     told = {"--columns": asked.reading.columns, "--sheet": asked.reading.sheet or None}
     for option, order in {
         **dict(zip(("--firing-order", "--firing-angles"), asked.firing, strict=True)),
@@ -287,7 +284,7 @@ def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
                 "engine file defines when its cylinders fire, and its tables."
             )
     turning = parse_speed(asked.speed)
-    speed = mechanism.rated_speed if turning is None else turning
+    speed = engine_file.engine.rated_speed if turning is None else turning
     if strokes is not None and strokes != engine.strokes:
         raise InputError(
             f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine file "
@@ -298,24 +295,26 @@ def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
             f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
             "engine has that many."
         )
-    inputs = mechanism_inputs(mechanism)
+    inputs = [file.path for file in engine_inputs(engine_file)]
     folder = check_outputs(asked.csv, asked.pictures, *inputs, names=FILES)
-    pressure = mechanism.pressure or None
-    if not full_load_only(mechanism):
-        pressure = pressures_at(mechanism, [speed])[0]
-    torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
+    pressure = engine_file.pressure or None
+    if not full_load_only(engine_file):
+        pressure = pressures_at(engine_file, [speed])[0]
+    torque = engine_torque(engine, speed, pressure, throws=engine_file.throws)
     _check_resolved(asked.orders, torque.harmonics())
     highest = USUAL_ENGINE_ORDERS if asked.orders is None else asked.orders
     spectrum = torque.harmonics().up_to(highest)
-    _write_sums(asked, mechanism.path, torque.shaft_angles_deg, torque.total, spectrum)
+    _write_sums(asked, engine_file.path, torque.shaft_angles_deg, torque.total, spectrum)
     forces = (
         None
         if cylinder is None
         else pin_force_harmonics(engine, speed, pressure, highest_order=highest)[cylinder - 1]
     )
     if folder is not None:
-        picture_torque(folder, torque, highest, title=titles.at_speed(mechanism.name, speed))
-    return engine_harmonics(mechanism, torque, highest, forces)
+        picture_torque(
+            folder, torque, highest, title=titles.at_speed(engine_file.engine.name, speed)
+        )
+    return engine_harmonics(engine_file, torque, highest, forces)
 
 
 def _write_sums(

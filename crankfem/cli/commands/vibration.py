@@ -86,7 +86,7 @@ def vibration(
         return
     from crankbase.outputs import protect
     from crankbase.results import units as result_units
-    from crankfem.analyses.engine_mechanism import engine_inputs
+    from crankfem.analyses.engine_mechanism import engine_inputs, input_warnings
     from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
@@ -107,7 +107,7 @@ def vibration(
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content if model is None else with_model(content, model))
     with content.with_lines():
-        mechanism = refuse_forced_vibration(read)
+        refuse_forced_vibration(read)
     if strict:
         check_has_limits(read)
     if csv is not None or pictures is not None:
@@ -123,9 +123,9 @@ def vibration(
         there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
         names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
         drawn = make_output_folder("--pictures", pictures, names)
-    console.print_warnings(mechanism.warnings, out.units)
+    console.print_warnings(input_warnings(read), out.units)
     with console.RunProgress(out.quiet) as progress:
-        run = engine_vibration(read, mechanism=mechanism, coupled=coupled, step=progress.step)
+        run = engine_vibration(read, coupled=coupled, step=progress.step)
         speed_up = None
         if duration is not None:
             progress.step("Running up")

@@ -4,17 +4,18 @@ import math
 import os
 import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from crankbase.choices import check_kind
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.model import InputModel
 from crankbase.outputs import write_errors, write_text
-from crankbase.quantity import format_quantity
 from crankbase.summaries import summarized
 from crankfem.files.chain.chain_file import PLANT, plant_chain, read_shaft_lines
 from crankfem.files.engine.changed_content import (
@@ -23,12 +24,26 @@ from crankfem.files.engine.changed_content import (
     with_files_seen_from,
 )
 from crankfem.files.engine.file_kinds import SECTIONS, check_sections, engine_sections, file_kind
+from crankfem.files.engine.full_load import full_load_pressure
 from crankfem.files.engine.mechanism_cylinders import (
-    MechanismSections,
     angles_of_throws,
     check_sizes,
+    engine_cylinders,
+    engine_layout,
+    firing_evenness,
+    inertia_remarks,
     pins_of,
+    side_by_side,
     throws_of,
+)
+from crankfem.files.engine.section_checks import (
+    check_gas_map,
+    check_highest_order,
+    check_load,
+    check_misfire,
+    check_sources,
+    check_strength,
+    check_thrust_bearing,
 )
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.section_changes import (
@@ -73,100 +88,20 @@ from crankfem.files.sections.vibration_sections import (
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import Driven, Driver
 from dynamics.chains.varying import over_amplitude
+from dynamics.engine.layout import EngineLayout
+from dynamics.excitation.pressure_map import EnginePower, indicated_power
+from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
-from geometry.crankshaft import Crankshaft, ShaftEnds
+from geometry.crankshaft import Crankshaft, ShaftEnds, throw_starts
 from geometry.throw import CrankThrow
-from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
-from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from regression.plans.plan import StudyPlan
 
-
-def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
-    """Refuse cylinders that do not exist, and failing ones without a pressure."""
-    if misfire is None:
-        return
-    wrong = [number for number in misfire.cylinders or () if not 1 <= number <= engine.cylinders]
-    if wrong:
-        raise InputError(
-            f"misfire.cylinders: given {wrong[0]}; allowed is 1 to {engine.cylinders}, because the engine "
-            "has these cylinders."
-        )
-    if gas is None and misfire.compression:
-        raise InputError(
-            "misfire: given without the section [gas]; allowed are both, or compression = false, because "
-            "the pressure without combustion follows from it."
-        )
-
-
-def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
-    """Refuse a pressure map that does not cover the running range."""
-    if gas_map is None:
-        return
-    _check_covers("gas_map.points", [point.speed for point in gas_map.points], engine)
-
-
-def check_load(
-    load: LoadSection | None, gas: Gas | None, gas_map: GasMap | None, engine: Engine
-) -> None:
-    """Refuse a load without a known pressure, and one that does not cover the running range."""
-    if load is None:
-        return
-    if gas_map is not None:
-        raise InputError(
-            "load: given together with the section [gas_map]; allowed is one of the two, because the map "
-            "defines the load by its own law."
-        )
-    if gas is None:
-        raise InputError(
-            "load: given without the section [gas]; allowed are both, because the load is a share of what "
-            "[gas] gives at rated speed."
-        )
-    if gas.pressure_table is not None and load.law != "constant":
-        raise InputError(
-            "load: given together with gas.pressure_table; allowed are peak_pressure or "
-            "mean_effective_pressure in [gas], or a section [gas_map] with diagrams of several loads, "
-            "because one diagram does not define those at other loads."
-        )
-    if load.points:
-        _check_covers("load.points", [point.speed for point in load.points], engine)
-
-
-def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
-    if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
-        listed, allowed = (
-            f"{format_quantity(low, 'rad/s', 5)} to {format_quantity(high, 'rad/s', 5)}"
-            for low, high in (
-                (min(speeds), max(speeds)),
-                (engine.lowest_speed, engine.highest_speed),
-            )
-        )
-        raise InputError(
-            f"{field}: given speeds from {listed}; allowed are ones that cover the running range of "
-            f"{allowed}, because nothing is extrapolated beyond them."
-        )
-
-
-def check_sources(vibration: VibrationSettings, study: "StudyPlan | None") -> None:
-    """Refuse an unknown source of compliances before anything is computed."""
-    for kind, source, formulas in (
-        ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
-        ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
-    ):
-        fitted = study is not None or vibration.model is not None
-        allowed = ["fe", "fe pinned", "law", *(["regression"] if fitted else []), *formulas]
-        if source.casefold() not in [name.casefold() for name in allowed]:
-            reason = (
-                ", because the file has neither a section [study] to fit nor a vibration.model"
-                if source.casefold() == "regression"
-                else ""
-            )
-            raise InputError(
-                f"vibration.{kind}_source: given {source!r}; allowed are {', '.join(allowed)}{reason}."
-            )
+Section = TypeVar("Section", bound=InputModel)
+Calculated = TypeVar("Calculated")
 
 
 def check_plant(engine: "EngineFile") -> None:
@@ -191,7 +126,7 @@ def check_plant(engine: "EngineFile") -> None:
         )
 
 
-def check_driven(file: "EngineFile | MechanismSections") -> None:
+def check_driven(file: "EngineFile") -> None:
     """Refuse what an engine alone has, for a machine that is driven, and the other way round."""
     driven_by, gas = file.engine.driven_by, file.gas
     if not driven_by:
@@ -200,7 +135,7 @@ def check_driven(file: "EngineFile | MechanismSections") -> None:
                 "gas.discharge_pressure: given without engine.driven_by; allowed are both, because something "
                 "drives a compressor."
             )
-        if isinstance(file, EngineFile) and file.driver is not None:
+        if file.driver is not None:
             raise InputError(
                 "driver: given without engine.driven_by; allowed are both, or the section [driven], because "
                 "an engine drives what is behind its coupling."
@@ -211,21 +146,15 @@ def check_driven(file: "EngineFile | MechanismSections") -> None:
             "gas.discharge_pressure: missing for a driven machine; allowed are suction_pressure, "
             "discharge_pressure, clearance and exponent, or pressure_table, because nothing burns in it."
         )
-    refused = {
-        "load": None
-        if file.load is None or file.load.law == "constant"
-        else "its pressures are those of [gas]",
-    }
-    if isinstance(file, EngineFile):
-        for name, why in (
-            ("driven", "what is behind its coupling drives it: [driver]"),
-            ("misfire", "nothing fires"),
-            ("propeller_forces", "it drives none"),
-            ("strength", "UR M53 is a rule for engines"),
-        ):
-            refused[name] = None if getattr(file, name) is None else why
-    for name, reason in refused.items():
-        if reason is not None:
+    varies = file.load is not None and file.load.law != "constant"
+    for name, given, reason in (
+        ("load", varies, "its pressures are those of [gas]"),
+        ("driven", file.driven, "what is behind its coupling drives it: [driver]"),
+        ("misfire", file.misfire, "nothing fires"),
+        ("propeller_forces", file.propeller_forces, "it drives none"),
+        ("strength", file.strength, "UR M53 is a rule for engines"),
+    ):
+        if given:
             raise InputError(
                 f"{name}: given together with engine.driven_by; allowed is none, because {reason}."
             )
@@ -235,7 +164,7 @@ def check_variations(file: "EngineFile") -> None:
     """Refuse what varies over the amplitude: natural vibration and the verdict know none."""
     varying = [
         part.name
-        for part in fields(EngineFile)
+        for part in fields(file)
         if (variation := getattr(getattr(file, part.name), "variation", None))
         and variation.amplitude
     ]
@@ -251,57 +180,6 @@ def check_variations(file: "EngineFile") -> None:
         )
 
 
-def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
-    """Refuse a highest order that the engine's cycle does not have."""
-    lowest = 2.0 / engine.strokes
-    if vibration.highest_order < lowest or vibration.highest_order % lowest:
-        raise InputError(
-            f"vibration.highest_order: given {vibration.highest_order:g}; allowed are multiples of "
-            f"{lowest:g}, because these are the orders of a {engine.strokes}-stroke engine."
-        )
-
-
-def check_thrust_bearing(thrust: ThrustBearing, throws: int) -> None:
-    """Refuse a thrust bearing at a main bearing that does not exist."""
-    if thrust.main_bearing > throws + 1:
-        raise InputError(
-            f"thrust_bearing.main_bearing: given {thrust.main_bearing}; allowed is 1 (at the free end) to "
-            f"{throws + 1} (at the flywheel), because {throws} throws have {throws + 1} main bearings."
-        )
-
-
-def check_strength(
-    strength: StrengthSection | None, throws: Sequence[CrankThrow], gas: Gas | GasMap | None
-) -> None:
-    """Refuse strength without forces, or for throws that the rule does not cover."""
-    if strength is None:
-        return
-    if gas is None:
-        raise InputError(
-            "strength: given without gas pressure; allowed are both, because stresses need what loads the "
-            "throws: a section [gas] or [gas_map]."
-        )
-    for number, throw in enumerate(throws, start=1):
-        if throw.further_pins:
-            raise InputError(
-                f"strength: given for throw {number} with several pins; allowed are throws with one pin "
-                "between main bearings, because UR M53 holds for these."
-            )
-        if strength.pin_recess >= throw.web_thickness:
-            raise InputError(
-                f"strength.pin_recess: given {format_quantity(strength.pin_recess, 'm')}; allowed is less "
-                f"than the web_thickness of throw {number}, {format_quantity(throw.web_thickness, 'm')}, "
-                "because the recess is cut into the web."
-            )
-        fit = strength.shrink_fit
-        if fit is not None and fit.shrink_diameter <= throw.main_journal_bore:
-            raise InputError(
-                f"strength.shrink_fit.shrink_diameter: given {format_quantity(fit.shrink_diameter, 'm')}; "
-                f"allowed is more than the main_journal_bore of throw {number}, "
-                f"{format_quantity(throw.main_journal_bore, 'm')}, because the journal has a wall."
-            )
-
-
 # What is taken for a section that is not there.
 DEFAULTS = {"material": STEEL, "shaft_ends": ShaftEnds(), "vibration": VibrationSettings()}
 
@@ -309,14 +187,18 @@ DEFAULTS = {"material": STEEL, "shaft_ends": ShaftEnds(), "vibration": Vibration
 @summarized("engine.name", "path", "engine.rated_speed [rad/s]", "pins")
 @dataclass(frozen=True)
 class EngineFile:
-    """An engine file, read and checked.
+    """An engine file, read and checked: a whole engine, or its crank mechanism alone.
+
+    What follows from the sections is calculated once, when first used.
 
     Attributes
     ----------
     files : InputFiles
         The file, and those that it may name.
-    engine, throw, shaft_ends, material, rod, piston, flywheel, thrust_bearing, vibration
+    engine, throw, shaft_ends, material, rod, piston, vibration
         Its sections; of several throws by name, the one at the free end.
+    flywheel, thrust_bearing
+        Sections that every whole engine has; without a thrust bearing it is a mechanism alone.
     shaft_lines : dict
         Kind, "torsional" or "axial", to the chain of the shaft line behind the flywheel, if given.
     shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, driver, bearings, \
@@ -347,7 +229,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
     piston: Piston
     hinged_rods: HingedRods | None
     shaft: ShaftLayout | None
-    thrust_bearing: ThrustBearing
+    thrust_bearing: ThrustBearing | None
     gas: Gas | None
     load: LoadSection | None
     gas_map: GasMap | None
@@ -355,7 +237,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
     torque_table: InputFile | None
     vibration: VibrationSettings
     shaft_ends: ShaftEnds
-    flywheel: Flywheel
+    flywheel: Flywheel | None
     free_end: FreeEnd | None
     damping: Damping | None
     torsional_damper: TorsionalDamperSection | None
@@ -386,7 +268,8 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
                 "throw: given for an engine with throws by name; allowed is throws={NAME: ...}, because "
                 "each name is a throw of its own."
             )
-        check_thrust_bearing(self.thrust_bearing, len(self.throw_angles_deg))
+        if self.thrust_bearing is not None:
+            check_thrust_bearing(self.thrust_bearing, len(self.throw_angles_deg))
         _ = self.pins  # refuses hinged rods of cylinders that are not there
         check_misfire(self.misfire, self.gas, self.engine)
         check_gas_map(self.gas_map, self.engine)
@@ -398,36 +281,160 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         check_highest_order(self.vibration, self.engine)
         check_strength(self.strength, self.crank_throws, self.gas or self.gas_map)
 
-    @property
-    def throws(self) -> tuple[int, ...]:
-        """Throw that each cylinder works on, from 0."""
-        return throws_of(self.engine)
-
-    @property
-    def throw_angles_deg(self) -> tuple[float, ...]:
-        """Angle of each throw's first pin, throw by throw, as the file counts angles [deg]."""
-        return tuple(map(math.degrees, angles_of_throws(self.shaft, self.engine, self.throws)))
-
-    @property
-    def named_throws(self) -> dict[str, CrankThrow]:
-        """The distinct throws by name; that of a plain file has the name "throw"."""
-        return dict(self.throws_by_name) or {PLAIN: self.throw}
-
-    @property
-    def throw_names(self) -> tuple[str, ...]:
-        """Name of each crank's throw, from the free end."""
-        return throw_names(self.named_throws, self.shaft, len(self.throw_angles_deg))
-
-    @property
-    def crank_throws(self) -> tuple[CrankThrow, ...]:
-        """Throw of each crank, from the free end."""
-        throws = self.named_throws
-        return tuple(throws[name] for name in self.throw_names)
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what follows from the sections where an engine is copied or sent."""
+        return {part.name: getattr(self, part.name) for part in fields(self)}
 
     @property
     def path(self) -> Path:
         """What messages call the file, and where it is unless it was sent."""
         return self.files.path
+
+    @property
+    def whole(self) -> bool:
+        """Whether this is a whole engine, with flywheel and thrust bearing."""
+        return self.flywheel is not None and self.thrust_bearing is not None
+
+    def required(self, section: type[Section]) -> Section:
+        """Return a section that a whole engine has.
+
+        Raises
+        ------
+        InputError
+            If this is a mechanism alone.
+        """
+        given = getattr(self, section.section)
+        if not isinstance(given, section):
+            raise InputError(
+                f"{self.path.name}: given without the section [{section.section}]; allowed is a whole "
+                "engine, as load_engine reads it, because not only its mechanism is calculated."
+            )
+        return given
+
+    def once(self, calculate: Callable[["EngineFile"], Calculated]) -> Calculated:
+        """Return what a function calculates from the file; it is calculated once."""
+        if calculate not in self._calculated:
+            self._calculated[calculate] = calculate(self)
+        known: Calculated = self._calculated[calculate]
+        return known
+
+    @cached_property
+    def _calculated(self) -> dict[Callable[["EngineFile"], Any], Any]:
+        return {}
+
+    @cached_property
+    def throws(self) -> tuple[int, ...]:
+        """Throw that each cylinder works on, from 0."""
+        return throws_of(self.engine)
+
+    @cached_property
+    def throw_angles_deg(self) -> tuple[float, ...]:
+        """Angle of each throw's first pin, throw by throw, as the file counts angles [deg]."""
+        return tuple(map(math.degrees, angles_of_throws(self.shaft, self.engine, self.throws)))
+
+    @property
+    def rotation_angles_deg(self) -> tuple[float, ...]:
+        """Angle of each throw's first pin, throw by throw, in the sense of rotation [deg]."""
+        return tuple(self.engine.turning_sense * angle for angle in self.throw_angles_deg)
+
+    @cached_property
+    def named_throws(self) -> Mapping[str, CrankThrow]:
+        """The distinct throws by name; that of a plain file has the name "throw"."""
+        return MappingProxyType(dict(self.throws_by_name) or {PLAIN: self.throw})
+
+    @cached_property
+    def throw_names(self) -> tuple[str, ...]:
+        """Name of each crank's throw, from the free end."""
+        return throw_names(self.named_throws, self.shaft, len(self.throw_angles_deg))
+
+    @cached_property
+    def crank_throws(self) -> tuple[CrankThrow, ...]:
+        """Throw of each crank, from the free end."""
+        return tuple(self.named_throws[name] for name in self.throw_names)
+
+    @cached_property
+    def crankshaft(self) -> Crankshaft:
+        """The whole crankshaft: the throws at their angles, and the ends."""
+        return Crankshaft(
+            self.crank_throws, crank_angles_deg=self.throw_angles_deg, ends=self.shaft_ends
+        )
+
+    @cached_property
+    def bearing_positions(self) -> tuple[float, ...]:
+        """Middle of each main bearing along the shaft, one more than throws [m]."""
+        return throw_starts(self.crank_throws)
+
+    @cached_property
+    def pins(self) -> tuple[int, ...]:
+        """Pin that each cylinder works on, from 0, counted along the shaft."""
+        return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
+
+    @cached_property
+    def layout(self) -> EngineLayout:
+        """Cylinders and rods alone, which `with_throws` completes by the throws' unbalance and inertia.
+
+        Angles are in the sense of rotation: where the shaft turns against the sense in which the file
+        counts angles, this is the mirror image, x against the file's.
+
+        Raises
+        ------
+        InputError
+            If cranks, throws and pins contradict each other.
+        """
+        return engine_layout(
+            self.engine,
+            engine_cylinders(
+                self.engine,
+                self.crank_throws,
+                self.rod,
+                self.piston,
+                self.hinged_rods,
+                self.throws,
+                [math.radians(angle) for angle in self.throw_angles_deg],
+            ),
+        )
+
+    @cached_property
+    def pressure(self) -> tuple[GasPressure, ...]:
+        """Gas pressure at full load, cylinder by cylinder; empty without a section [gas].
+
+        Raises
+        ------
+        InputError
+            If the pressure cannot be reached or read.
+        """
+        if self.gas is None:
+            return ()
+        return full_load_pressure(self.engine, self.gas, self.layout, self.files)
+
+    @cached_property
+    def power(self) -> EnginePower | None:
+        """Indicated power at full load and rated speed, and the rated power; None without a section [gas]."""
+        if not self.pressure:
+            return None
+        engine, speed = self.engine, self.engine.rated_speed
+        indicated = indicated_power(self.layout, self.pressure, speed)
+        return EnginePower(
+            speed, *indicated, engine.rated_power, driven=bool(engine.driven_by) or None
+        )
+
+    @property
+    def attached_inertia(self) -> float:
+        """Inertia of flywheel and free end, if given [kg m^2]."""
+        return sum(part.inertia for part in (self.flywheel, self.free_end) if part is not None)
+
+    @cached_property
+    def remarks(self) -> tuple[str, ...]:
+        """What is assumed of the mechanism beyond its sections."""
+        remarks = inertia_remarks(self.rod, self.hinged_rods)
+        remarks += firing_evenness(self.engine).notes
+        if side_by_side(self.throw, self.throws, self.hinged_rods):
+            remarks.insert(
+                0,
+                "rods side by side share the pin's length equally, the cylinder with the lower number "
+                "nearer to the free end",
+            )
+        return tuple(remarks)
 
     @property
     def model_file(self) -> InputFile | None:
@@ -441,12 +448,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         name = self.vibration.model
         return None if name is None else self.files.named("vibration.model", name)
 
-    @property
-    def pins(self) -> tuple[int, ...]:
-        """Pin that each cylinder works on, from 0, counted along the shaft."""
-        return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
-
-    @property
+    @cached_property
     def main_bearings(self) -> Bearings:
         """The main bearings; assumed ones, with the range of the assumption, where the file gives none."""
         assumed, ratio = ASSUMED_PER_DIAMETER * self.throw.main_journal_diameter, ASSUMED_RANGE
@@ -458,13 +460,6 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
     def behind_coupling(self) -> Driven | None:
         """What is behind the coupling at the flywheel: a driven machine, or the prime mover of one."""
         return self.driven or self.driver
-
-    @property
-    def crankshaft(self) -> Crankshaft:
-        """The whole crankshaft: the throws at their angles, and the ends."""
-        return Crankshaft(
-            self.crank_throws, crank_angles_deg=self.throw_angles_deg, ends=self.shaft_ends
-        )
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw the crankshaft from the side; see `Crankshaft.plot`."""
@@ -557,7 +552,9 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
             )
 
         def read(text: str) -> EngineFile:
-            return load_engine(sections_of(self.files, tomllib.loads(text), text))
+            content = sections_of(self.files, tomllib.loads(text), text)
+            whole = self.whole and file_kind(content) == "engine"
+            return load_engine(content) if whole else load_mechanism(content)
 
         content = changed_content(tomllib.loads(self.text), read(self.text), self)
         for name in lost_changes(read(toml_text(content)), self):
@@ -620,37 +617,72 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
         )
     models = {name: section.model for name, section in SECTIONS.items() if name != "throws"}
     with content.all_errors(models, {"throws": read_throws}):
-        return _read_engine(content)
+        check_sections(content)
+        return _read_engine(content, [part.name for part in fields(EngineFile)])
 
 
-def _read_engine(content: TomlFile) -> EngineFile:
-    check_sections(content)
+def load_mechanism(path: str | Path | TomlFile) -> EngineFile:
+    """Read the crank mechanism of an engine file, or of a shipped engine.
+
+    Parameters
+    ----------
+    path : path
+        The file, or the name of a shipped engine; or its sections, if already read. It needs
+        the sections [engine], [throw] (or several [throws.NAME]), [rod] and [piston]; [gas], [load],
+        [hinged_rods] and [shaft] are read if given.
+
+    Raises
+    ------
+    InputError
+        With a sentence for each wrong field, which names it, what was given and what is allowed.
+    """
+    content = engine_sections(path)
+    models = {name: SECTIONS[name].model for name in MECHANISM_PARTS if name != "throw"}
+    with content.all_errors(models | {"throw": SECTIONS["throw"].model}, {"throws": read_throws}):
+        check_sections(content, ("engine", "throw", "rod", "piston"))
+        mechanism = _read_engine(content, MECHANISM_PARTS)
+        _ = mechanism.layout, mechanism.pressure  # which refuse what cannot be
+        return mechanism
+
+
+# The sections of a mechanism, in the order in which its values are listed.
+MECHANISM_PARTS = (
+    *("engine", "throw", "rod", "piston", "shaft", "hinged_rods", "shaft_ends", "gas", "load"),
+    *("flywheel", "free_end", "material"),
+)
+
+
+def _read_engine(content: TomlFile, parts: Sequence[str]) -> EngineFile:
+    """Read some sections of a file, in this order, which their records keep; others are missing."""
     throws: dict[str, CrankThrow] = {}
-    sections: dict[str, Any] = {}
     kinds = section_kinds(EngineFile)
-    for part in fields(EngineFile):  # in this order the report shows them
-        if part.name == "throw":
+    sections: dict[str, Any] = {name: DEFAULTS.get(name) for name in kinds}
+    sections |= {"torque_table": None, "shaft_lines": {}}
+    for name in parts:
+        if name == "throw":
             throws = read_throws(content)
-        elif part.name == "torque_table":
-            sections[part.name] = torque_table_file(content)
-        elif part.name == "shaft_lines":
-            sections[part.name] = read_shaft_lines(content)
-        elif part.name in kinds:
-            model, _ = kinds[part.name]
-            sections[part.name] = content.model(model.section, model) or DEFAULTS.get(part.name)
+        elif name == "torque_table":
+            sections[name] = torque_table_file(content)
+        elif name == "shaft_lines":
+            sections[name] = read_shaft_lines(content)
+        elif name in kinds:
+            model, _ = kinds[name]
+            sections[name] = content.model(model.section, model) or DEFAULTS.get(name)
     first, study = free_end_throw_name(throws, sections["shaft"]), None
-    if "study" in content.sections:
+    if "study" in parts and "study" in content.sections:
         from crankfem.files.study_file import study_plan  # here: few files have a study
 
         study = study_plan(content, throws, first, sections["material"])
     return EngineFile(
-        **sections,
-        files=content.files,
-        throw=throws[first],
-        study=study,
-        records=tuple(content.records),
-        provenance=content.provenance,
-        sources=content.sources,
-        throws_by_name={} if PLAIN in throws else throws,
-        text=content.text,
+        **sections
+        | {
+            "files": content.files,
+            "throw": throws[first],
+            "study": study,
+            "records": tuple(content.records),
+            "provenance": content.provenance,
+            "sources": content.sources,
+            "throws_by_name": {} if PLAIN in throws else throws,
+            "text": content.text,
+        }
     )

@@ -9,22 +9,20 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
-from crankfem.files.reading.data_files import InputFiles
-from crankfem.files.reading.toml_file import InputRecord
 from crankfem.files.sections.crank_throws import ShaftLayout
-from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd
-from crankfem.files.sections.mechanism_sections import Gas, HingedRods, LoadSection, Piston, Rod
+from crankfem.files.sections.engine_sections import Engine
+from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
 from dynamics.engine.layout import (
     EVEN,
     IN_LINE,
     EngineCylinder,
+    EngineLayout,
     SlavePin,
     even_firing_order,
     least_uneven_order,
     repeating_intervals,
 )
 from dynamics.engine.rods import ConnectingRod
-from fem.material import Material
 from geometry.crankshaft import throw_starts
 from geometry.throw import CrankThrow
 
@@ -120,6 +118,19 @@ def engine_cylinders(
             )
         )
     return tuple(made)
+
+
+def engine_layout(engine: Engine, cylinders: Sequence[EngineCylinder]) -> EngineLayout:
+    """Return cylinders with the order and angles at which they fire, or are at the top."""
+    # Those of a driven machine may be at the top together, which no order can say.
+    tops = [cylinder.top_shaft_angle_deg for cylinder in cylinders] if engine.driven_by else None
+    return EngineLayout(
+        0.5 * engine.stroke,
+        cylinders,
+        engine.top_order,
+        engine.strokes,
+        firing_angles_deg=tops,
+    )
 
 
 def check_sizes(
@@ -250,38 +261,6 @@ def _positions(
     for place, main in main_of.items():
         positions[place] = positions[main]
     return positions
-
-
-@dataclass(frozen=True)
-class MechanismSections:
-    """The sections of a file that describe a mechanism, named as those of an `EngineFile`."""
-
-    files: InputFiles
-    engine: Engine
-    shaft: ShaftLayout | None
-    named_throws: dict[str, CrankThrow]
-    crank_throws: tuple[CrankThrow, ...]
-    rod: Rod
-    piston: Piston
-    hinged_rods: HingedRods | None
-    gas: Gas | None
-    load: LoadSection | None
-    flywheel: Flywheel | None
-    free_end: FreeEnd | None
-    material: Material
-    records: tuple[InputRecord, ...]
-    sources: dict[str, str]
-
-    @property
-    def throws(self) -> tuple[int, ...]:
-        """Throw that each cylinder works on, from 0."""
-        return throws_of(self.engine)
-
-    @property
-    def throw_angles_deg(self) -> tuple[float, ...]:
-        """Angle of each throw's first pin, as the file counts angles [deg]."""
-        angles = angles_of_throws(self.shaft, self.engine, self.throws)
-        return tuple(math.degrees(angle) for angle in angles)
 
 
 # Intervals that differ so many times more than those of another order look like a slip.

@@ -11,7 +11,7 @@ from crankbase.model import field_extra
 from crankbase.quantity import format_quantity
 from crankbase.table import text_rows
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_cylinders import MechanismSections, inertia_of_masses
+from crankfem.files.engine.mechanism_cylinders import inertia_of_masses
 from crankfem.files.engine.usual_sizes import PRACTICE, SHIPPED, UsualRange
 from fem.material import STEEL
 
@@ -21,16 +21,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EngineScale:
-    """What the usual values of an engine's parts go by, estimated from its dimensions and masses.
+    """What the usual values of an engine's parts go by, estimated from its dimensions and masses."""
 
-    Attributes
-    ----------
-    power : float or None
-        Indicated power at rated speed, if the pressure is known [W].
-    """
-
-    file: EngineFile | MechanismSections
-    power: float | None
+    file: EngineFile
 
     def part(self, section: str) -> Any:
         """Return a section of the file; None where it has none."""
@@ -100,9 +93,11 @@ class EngineScale:
     @cached_property
     def rated(self) -> float:
         """Rated power, or the indicated one, or that of a usual pressure, given or taken [W]."""
-        engine = self.file.engine
+        engine, power = self.file.engine, self.file.power
+        if engine.rated_power:
+            return engine.rated_power
         cycles = engine.rated_speed / (math.pi * engine.strokes)
-        return engine.rated_power or abs(self.power or 0.0) or 1.4e6 * self.swept * cycles
+        return abs(0.0 if power is None else power.indicated) or 1.4e6 * self.swept * cycles
 
     @cached_property
     def torque(self) -> float:
@@ -217,8 +212,7 @@ def part_warnings(scale: EngineScale) -> Iterator[str]:
     yield from near_angles("engine.bank_angles", engine.bank_angles)
     yield from _counterweights(scale)
     yield from _driven(scale)
-    if isinstance(scale.file, EngineFile):
-        yield from (sentence for sentence, twice in first_nodes(scale.file) if twice)
+    yield from (sentence for sentence, twice in first_nodes(scale.file) if twice)
 
 
 DRIVEN = Practice(0.3, 3.0, "is {} that of engine and flywheel", margin=5.0)
@@ -257,6 +251,8 @@ FLYWHEEL_AGAIN = (0.5, 2.0)
 def first_nodes(file: EngineFile) -> Iterator[tuple[str, bool]]:
     """Say what a line's first node adds to the flywheel, and whether that is perhaps counted twice."""
     wheel = file.flywheel
+    if wheel is None:
+        return
     for kind, size, unit in (("torsional", wheel.inertia, "kg m^2"), ("axial", wheel.mass, "kg")):
         if (line := file.shaft_lines.get(kind)) is None:
             continue

@@ -9,9 +9,7 @@ from crankbase.errors import InputError
 from crankbase.model import GD2_OF_INERTIA, gd2_name
 from crankbase.quantity import PER_MINUTE, RPM, format_number, format_quantity, percent
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_cylinders import MechanismSections
 from crankfem.files.sections.crank_throws import PLAIN
-from crankfem.files.sections.engine_sections import ThrustBearing
 from dynamics.excitation.pressure_map import EnginePower
 from dynamics.gas.pressure import ATMOSPHERE
 from fem.material import STEEL
@@ -237,16 +235,8 @@ def _out_of_proportion(
     yield from remarks
 
 
-def engine_warnings(
-    file: EngineFile | MechanismSections, power: EnginePower | None, thrust: ThrustBearing | None
-) -> Iterator[str]:
-    """Name the sizes of an engine that are far outside of practice, its throws included.
-
-    Parameters
-    ----------
-    power : EnginePower or None
-        At rated speed; None without gas pressure.
-    """
+def size_warnings(file: EngineFile) -> Iterator[str]:
+    """Name the sizes of an engine that are far outside of practice, its throws included."""
     of_throws = list(throw_warnings(file.named_throws))
     yield from of_throws
     engine, throw, bore = file.engine, file.crank_throws[0], file.engine.bore
@@ -257,8 +247,8 @@ def engine_warnings(
     journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
     # A journal that is wrong against the throw is not told again against other parts.
     wrong_journal = any(".main_journal_diameter: " in sentence for sentence in of_throws)
-    if thrust is not None and not wrong_journal:
-        stiffness = thrust.stiffness
+    if file.thrust_bearing is not None and not wrong_journal:
+        stiffness = file.thrust_bearing.stiffness
         yield from warn(
             "thrust_bearing.stiffness", stiffness, "N/m", THRUST, stiffness / journal / 1e9
         )
@@ -284,10 +274,10 @@ def engine_warnings(
         ("engine.highest_speed", engine.highest_speed, HIGHEST_PISTON_SPEED),
     ):
         yield from warn(field, speed, "rad/s", usual, engine.mean_piston_speed(speed))
-    if power is not None:
-        mean = power.mean_indicated_pressure / 1e6
+    if file.power is not None:
+        mean = file.power.mean_indicated_pressure / 1e6
         yield from INDICATED.warning("gas", "the pressure over the cycle", mean)
-        yield from _gas_exchange(file, power)
+        yield from _gas_exchange(file, file.power)
     if file.flywheel is not None:
         inertia = file.flywheel.inertia
         gyration = math.sqrt(inertia / file.flywheel.mass)
@@ -298,7 +288,7 @@ def engine_warnings(
         yield from warn("free_end.inertia", inertia, "kg m^2", FREE_END, inertia / disk)
 
 
-def _gas_exchange(file: EngineFile | MechanismSections, power: EnginePower) -> Iterator[str]:
+def _gas_exchange(file: EngineFile, power: EnginePower) -> Iterator[str]:
     """Compare given pressures of intake and exhaust with the mean pressure, and each other.
 
     So much mean pressure needs so much air, and the peak is above the compression by so much; a pressure
@@ -343,7 +333,7 @@ def _absolute(usual: UsualRange, field: str, pressure: float, ratio: float) -> I
         yield f"{sentence}; perhaps the pressure above ambient, {absolute} absolute"
 
 
-def _cylinders_in_line(file: EngineFile | MechanismSections) -> int:
+def _cylinders_in_line(file: EngineFile) -> int:
     """Return the cylinders of one bank that the first throw carries, one behind the other."""
     banks = file.engine.bank_angles or (0.0,) * file.engine.cylinders
     first = [round(bank, 6) for bank, throw in zip(banks, file.throws, strict=True) if throw == 0]

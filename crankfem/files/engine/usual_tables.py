@@ -1,13 +1,12 @@
 """Tables of pressure and torque that look like slips: another angle, sense, sign or unit."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import format_quantity
-from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.usual_parts import EngineScale, Practice
 from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
@@ -31,16 +30,14 @@ MEAN_TORQUE = Practice(0.8, 1.3, "is {} the rated torque for each throw")
 CLOSED, DROPOUT = 90.0, 0.15
 
 
-def table_warnings(
-    scale: EngineScale, layout: EngineLayout, pressure: Sequence[GasPressure]
-) -> Iterator[str]:
+def table_warnings(scale: EngineScale) -> Iterator[str]:
     """Name what is unusual of an engine's tables of pressure and torque."""
     file = scale.file
     if file.gas is not None and file.gas.pressure_table is not None and not file.engine.driven_by:
-        yield from pressure_warnings(pressure[0], layout, file.gas.compression_ratio)
-    if isinstance(file, EngineFile) and file.torque_table is not None:
-        table = read_torque_table(file.torque_table, strokes=layout.strokes)
-        yield from _torque_warnings(table, scale, layout, pressure)
+        yield from pressure_warnings(file.pressure[0], file.layout, file.gas.compression_ratio)
+    if file.torque_table is not None:
+        table = read_torque_table(file.torque_table, strokes=file.engine.strokes)
+        yield from _torque_warnings(table, scale)
 
 
 def pressure_warnings(
@@ -76,10 +73,9 @@ def pressure_warnings(
             )
 
 
-def _torque_warnings(
-    table: TorqueTable, scale: EngineScale, layout: EngineLayout, pressure: Sequence[GasPressure]
-) -> Iterator[str]:
+def _torque_warnings(table: TorqueTable, scale: EngineScale) -> Iterator[str]:
     """Compare a table with the torque of a throw at the rated point."""
+    layout, pressure = scale.file.layout, scale.file.pressure
     field, mean = "torque.table", float(table.torque.mean())
     sense = -1.0 if scale.file.engine.driven_by else 1.0
     usual = sense * scale.torque / len(scale.file.crank_throws)

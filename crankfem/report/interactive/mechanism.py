@@ -28,7 +28,7 @@ ALIKE = 1e-6
 
 
 def _engine(run: MechanismRun) -> str:
-    return at_speed(run.mechanism.name, run.speed)
+    return at_speed(run.engine_file.engine.name, run.speed)
 
 
 def _of_bearing(
