@@ -32,7 +32,7 @@ def test_engine_record(call):
     assert amplitude[0.5] < 1e-9 * amplitude[3.0]
     # The same by the public names.
     engine = cf.load_mechanism("6chn25-34")
-    torque = cf.engine_torque(engine.layout, engine.rated_speed, engine.pressure)
+    torque = cf.engine_torque(engine.layout, engine.engine.rated_speed, engine.pressure)
     assert record["mean"] == close(torque.mean, rel=1e-12)
 
 
