@@ -512,7 +512,7 @@ def test_speeds_in_radians_with_the_unit_of_turns_are_told(tmp_path, six_cylinde
     speeds = {"lowest_speed": 20.94, "rated_speed": 52.36, "highest_speed": 53.93}
     text = edit(six_cylinders, {f"engine.{name}": f'"{n} 1/min"' for name, n in speeds.items()})
     (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    warnings = mechanism_of(load_any(tmp_path / "mine.toml")).warnings
+    warnings = input_warnings(load_any(tmp_path / "mine.toml"))
     told = "perhaps rad/s and 1/min are mixed up: 500 1/min would suit"
     assert any(one.startswith("engine.rated_speed: ") and told in one for one in warnings), warnings
 
