@@ -230,8 +230,8 @@ def evaluate_throw(
     def answered(
         of: CrankThrow, superelement: Superelement, mass: float, inertia: float
     ) -> dict[str, float]:
-        answers = _plain_answers(superelement, of.length, part)
-        return answers | further(of, superelement, mass, inertia)
+        plain_answers = _plain_answers(superelement, of.length, part)
+        return {**plain_answers, **further(of, superelement, mass, inertia)}
 
     values = answered(throw, corrected, mass, inertia)
     plain = answered(throw, discrete, mass, inertia)
