@@ -1014,16 +1014,11 @@ class RefinementLevel:
         solved_mesh = (self.mesh, self.stiffness, self.pins)
         parts = [
             known
-            if symmetry == known.symmetry
+            if one == known.symmetry
             else condense(
-                *solved_mesh,
-                symmetry,
-                self.solver,
-                problem.end_sections,
-                problem.watch,
-                held=self.held,
+                *solved_mesh, one, self.solver, problem.end_sections, problem.watch, held=self.held
             )
-            for symmetry in symmetries
+            for one in symmetries
         ]
         with problem.watch.lap("error estimate"):
             return tuple(
@@ -1103,9 +1098,7 @@ def solve_to_accuracy(
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
-    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
-    check_kind("material", problem.material, Material, "a Material, like STEEL")
-    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
+    _check(throw, accuracy, problem.material)
     first = first_factor(throw, accuracy)
     check_solving_memory(throw, expected_unknowns(throw, first), accuracy)
     level = solve_level(_mesh(throw, first, None, problem, mesher), problem)
@@ -1141,6 +1134,12 @@ def _mesh(
         mesh = mesher(throw, factor, "auto", sizes)
         problem.watch.add({"geometry": mesh.geometry_seconds})
     return mesh
+
+
+def _check(throw: Throw, accuracy: float, material: Material) -> None:
+    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
+    check_kind("material", material, Material, "a Material, like STEEL")
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
 
 
 def analyze_throw(

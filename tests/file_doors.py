@@ -1,8 +1,9 @@
 """Every value of a file changed, and what a door makes of it: a command or call that reads the file.
 
-A number is changed by 3 %, a count by one, a choice to each other one, true to false. What the door prints
-as JSON, without what only repeats the file, must change; or the door refuses the file; or it lists the
-field among those that it does not use. Anything else is left over.
+A number is changed by 3 %, a count by one, a choice to each other one, true to false, another word or the
+name of a file to one that is not there. What the door prints as JSON, without what only repeats the file,
+must change; or the door refuses the file; or it lists the field among those that it does not use. Anything
+else is left over.
 """
 
 import json
@@ -24,6 +25,7 @@ from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.model import part_kind
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.satellites import satellite_files
+from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
 from file_fields import FILES, toml_text
 
 SHARE = 0.03
@@ -32,6 +34,11 @@ CHANGED, REFUSED, NAMED, LEFT, WRONG = WORDS = (
     *("changed", "refused", "named", "left over"),
     "named, but changed",
 )
+# Of fields that take any text, the words that they may be.
+WORDS_OF = {
+    **dict.fromkeys(("axial_source", "torsional_source"), ("fe", "law")),
+    "drives": tuple(RULE_OF_DRIVEN),
+}
 # When a file was written, and the how many-th solid of the process it is.
 DATE = re.compile(r"\d{4}-\d\d-\d\d[T ][\d:.]+|STEP translator [\d. ]+")
 COARSE = 0.1
@@ -75,12 +82,12 @@ def changed(content: Content, *changes: Change) -> Content:
 
 def changes(kind: str, content: Content) -> Iterator[Change]:
     """Each value of a file that is no name and no words about another, changed."""
-    for path, keys, value in _leaves(content):
+    for path, keys, value in leaves(content):
         for other in _others(kind, path, value):
             yield Change(path, keys, other)
 
 
-def _leaves(
+def leaves(
     value: Any, path: tuple[str, ...] = (), keys: tuple[Any, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], tuple[Any, ...], Any]]:
     """Values with their paths, of lists of tables the first and the last one."""
@@ -88,10 +95,10 @@ def _leaves(
         yield path, (*keys, "value"), value["value"]
     elif isinstance(value, dict):
         for name, part in value.items():
-            yield from _leaves(part, (*path, name), (*keys, name))
+            yield from leaves(part, (*path, name), (*keys, name))
     elif isinstance(value, list) and value and isinstance(value[0], dict):
         for place in sorted({0, len(value) - 1}):
-            yield from _leaves(value[place], path, (*keys, place))
+            yield from leaves(value[place], path, (*keys, place))
     else:
         yield path, keys, value
 
@@ -110,7 +117,7 @@ def _others(kind: str, path: tuple[str, ...], value: Any) -> Iterator[Any]:
             for other in _others(kind, path, value[place]):
                 yield [*value[:place], other, *value[place + 1 :]]
     elif isinstance(value, str):
-        choices = _choices(kind, path)
+        choices = _choices(kind, path) or WORDS_OF.get(path[-1], ())
         number = NUMBER.fullmatch(value)
         if choices:
             yield from (choice for choice in choices if choice != value)
@@ -121,6 +128,8 @@ def _others(kind: str, path: tuple[str, ...], value: Any) -> Iterator[Any]:
         elif number is not None:
             size = float(number[1])
             yield f"{size * (1.0 + SHARE) if size else 1.0!r}{number[2]}"
+        else:
+            yield f"no {value}"
 
 
 def _is_zero(value: Any) -> bool:
@@ -294,8 +303,10 @@ def submission(file: Path) -> Answer:
     run = vibration_of(file)
     check_submission(run.engine_file)
     parts = class_document(run)
+    # By columns: values of one quantity are the same but for round-off of the largest of them.
     content = [
-        [part.sentences, [[*map(list, item.table.rows)] for item in part.tables]] for part in parts
+        [part.sentences, [[*map(list, zip(*item.table.rows, strict=True))] for item in part.tables]]
+        for part in parts
     ]
     return Answer(json.loads(json.dumps(content, default=str)), named_by(file, "class"))
 

@@ -157,6 +157,16 @@ class Variation(InputModel):
                     f"variation.{name}: given {list(values)} at {' x '.join(map(str, shape))} points; "
                     f"allowed is one of {least:g} or more at each, because it is that of a passive spring."
                 )
+        for name, axis in (
+            ("at_torque", "torque"),
+            ("at_speed", "torque"),
+            ("at_temperature", "temperature"),
+        ):
+            if getattr(self, name) is not None and axis not in axes:
+                raise InputError(
+                    f"variation.{name}: given without {axis}; allowed are both, because the spring does not "
+                    f"vary over the {axis}."
+                )
         if torques.size != len(speeds):
             raise InputError(
                 f"variation.at_torque: given {torques.size} values at {len(speeds)} speeds; allowed is one "
@@ -178,6 +188,11 @@ class Variation(InputModel):
                     f"variation.at_{name}: missing; allowed is the {name} of the spring, because its "
                     f"stiffness varies over the {name}."
                 )
+        if self.damping is not None and not damping:
+            raise InputError(
+                "variation.damping: given for a part without viscous damping; allowed are both, because it "
+                "stands over the constant one."
+            )
         return VaryingPart(self, stiffness, loss_factor, damping)
 
 

@@ -2,6 +2,7 @@
 
 import math
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,12 @@ from crankbase.model import part_kind
 from crankfem.files.chain.chain_file import KINDS
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.file_kinds import SECTIONS
-from crankfem.files.engine.used_values import ALL, USES, command_use, not_used_of
+from crankfem.files.engine.throw_file import load_throw, unused_throws
+from crankfem.files.engine.used_values import ALL, USES, command_use, not_used, not_used_of
 from crankfem.files.reading.data_files import data_folder
+from crankfem.files.reading.toml_file import read_toml
+from crankfem.files.sections.crank_throws import NamedThrow
+from dynamics.chains.varying import Variation
 from dynamics.gas.pressure import read_pressure_table
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL
@@ -27,12 +32,27 @@ from file_doors import (
     WRONG,
     Answer,
     command,
+    leaves,
     look,
     shipped_content,
 )
+from file_fields import fields
 from fitted_models import known_model
 from regression.models.compliance_model import ComplianceModel
 
+DATA = Path(__file__).parents[1] / "data"
+# Files that together have every field.
+FULL = {path.stem: path for path in sorted(DATA.rglob("full-*.toml"))}
+# Sections with the fields of another one, which are read by its model.
+LIKE = {"driver": "driven"}
+# Fields that no file can have, and why.
+REFUSED_EVERYWHERE = {
+    **dict.fromkeys(
+        (f"{part}.variation.amplitude" for part in ("torsional_damper", "driven", "bearings")),
+        "natural frequencies and the verdict know no amplitude",
+    ),
+    "torsional_damper.variation.damping": "rubber is damped by its loss factor alone",
+}
 MODELS = {name: section.model for name, section in SECTIONS.items()} | {"chain": KINDS["torsional"]}
 # The full engine with a check of two masses; a chain with damping to ground.
 CHEAP = {
@@ -214,6 +234,90 @@ def test_a_command_that_takes_no_chain_refuses_one_in_a_sentence():
     for name in ("run", "mechanism", "draw"):
         with pytest.raises(InputError, match="is a chain"):
             command(name, "mwm-six")(Path("mwm-six"))
+
+
+def test_every_field_stands_in_a_file_whose_values_are_changed():
+    """No field of an engine file is forgotten where doors are looked at."""
+    there: set[str] = set()
+    for path in FULL.values():
+        for place, *_ in leaves(tomllib.loads(path.read_text(encoding="utf-8"))):
+            names = _declared(place)
+            there |= {".".join(names[:depth]) for depth in range(1, len(names) + 1)}
+    known = {".".join(_declared(path)) for kind, path, *_ in fields() if kind == "engine"}
+    assert known - there == set(REFUSED_EVERYWHERE)
+
+
+def _declared(place):
+    """The path of a field in its section: throws by name have the fields of [throw]."""
+    section, *inner = place
+    if section == "throws" and len(inner) > 1:
+        inner = inner[1:]
+        section = section if inner[0] in NamedThrow.model_fields else "throw"
+    return (LIKE.get(section, section), *inner)
+
+
+NO_TABLES = [
+    '[throw]\nleft_web = "x"\nright_web = 3\nfurther_pins = 4',
+    '[throw]\nleft_web = []\nright_web = {a = 1}\nfurther_pins = ["a"]',
+    '[throws]\na = 3\n[study]\nthrow = ["a"]',
+    '[throws.a]\nlike = ["b"]\n[shaft]\nthrows = 3',
+    '[throws.a]\nlike = "b"\n[throws.b]\nlike = "a"\n[shaft]\nthrows = [["a"], "b"]',
+]
+
+
+@pytest.mark.parametrize("text", NO_TABLES)
+def test_what_is_not_used_of_a_file_with_errors_is_no_error(text, tmp_path):
+    """It is named before the command reads the file, which tells what is wrong."""
+    file = tmp_path / "wrong.toml"
+    file.write_text(text, encoding="utf-8")
+    content = read_toml(file)
+    for name in USES:
+        assert isinstance(not_used(content, name), tuple)
+
+
+def test_of_a_throw_that_is_like_another_the_fields_that_it_replaces_are_not_used():
+    names = unused_throws(FULL["full-vee"], "rear")
+    assert names == ["throws.front.web_thickness"]
+    assert unused_throws(FULL["full-vee"], None) == ["throws.rear"]
+
+
+def test_values_in_whose_place_others_stand_are_named():
+    names = not_used(read_toml(FULL["full-throw"]), "throw")
+    both = ("outline", "tip_thickness", "foot_thickness", "journal_end", "pin_end")
+    replaced = {f"throw.web_{kind}" for kind in (*both, "thickness", "width")}
+    assert replaced <= {*names}
+    assert "throw.web_corner_radius" not in names
+    # A study has them in its key.
+    assert not replaced & {*not_used(read_toml(FULL["full-throw"]), "plan")}
+
+
+def test_names_of_throws_along_the_shaft_are_checked(tmp_path):
+    text = FULL["full-vee"].read_text(encoding="utf-8")
+    file = tmp_path / "vee.toml"
+    file.write_text(
+        text.replace('throws = ["front", "rear"]', 'throws = ["front", "reer"]'), "utf-8"
+    )
+    with pytest.raises(InputError, match=r"shaft\.throws: given 'reer'"):
+        load_throw(file)
+
+
+@pytest.mark.parametrize(
+    ("given", "field"),
+    [
+        ({"speed": (1.0, 2.0), "at_torque": 5.0}, "at_torque"),
+        ({"speed": (1.0, 2.0), "at_temperature": 300.0}, "at_temperature"),
+    ],
+)
+def test_a_point_of_what_nothing_varies_over_is_refused(given, field):
+    with pytest.raises(InputError, match=rf"variation\.{field}: given without"):
+        Variation(stiffness=(1.0, 1.1), **given)
+
+
+def test_damping_that_varies_over_none_is_refused():
+    varying = Variation(speed=(1.0, 2.0), stiffness=(1.0, 1.1), damping=(1.0, 1.2))
+    with pytest.raises(InputError, match=r"variation\.damping: given for a part without"):
+        varying.of(1e3, loss_factor=0.1)
+    assert varying.of(1e3, damping=2.0).damping == 2.0
 
 
 @pytest.mark.parametrize("command", USES)

@@ -1,6 +1,6 @@
 """Read only the throws of a file: one throw, a whole crankshaft, the plan of a study."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,14 +55,40 @@ def names_of_throws(path: str | Path | TomlFile) -> tuple[str, ...]:
     return (first, *(name for name in throws if name != first))
 
 
-def unused_throws(path: str | Path | TomlFile, name: str) -> list[str]:
-    """Name the sections of throws that a throw is not made of; it may be like another one."""
-    throws = engine_sections(path).sections.get("throws", {})
-    used: set[str] = set()
-    while name in throws and name not in used:
-        used.add(name)
-        name = throws[name].get("like", "")
-    return [f"throws.{other}" for other in throws if other not in used]
+def unused_throws(path: str | Path | TomlFile, name: str | None) -> list[str]:
+    """Name the sections of throws, or their fields, that a throw is not made of; it may be like another one.
+
+    Parameters
+    ----------
+    name : str or None
+        Of the throw; that at the free end by default.
+    """
+    sections = engine_sections(path).sections
+    throws = tables_of_throws(sections)
+    if name is None:
+        along = sections.get("shaft", {}).get("throws")
+        names = map(str, along) if isinstance(along, list) else iter(throws)
+        name = next((each for each in names if each in throws), PLAIN)
+    throw = throws.get(str(name), {})
+    base = str(throw.get("like"))
+    unused = [f"throws.{other}" for other in throws if other not in (name, base, PLAIN)]
+    return [*unused, *_replaced(f"throws.{base}", throws.get(base, {}), throw)]
+
+
+def tables_of_throws(sections: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """Return the tables of the throws by name, that of the section [throw] as "throw"."""
+    plain = {PLAIN: sections[PLAIN]} if PLAIN in sections else {}
+    named = {name: table for name, table in sections.get("throws", {}).items() if name != PLAIN}
+    return {name: table for name, table in (named | plain).items() if isinstance(table, Mapping)}
+
+
+def _replaced(section: str, base: Mapping[str, Any], throw: Mapping[str, Any]) -> Iterator[str]:
+    """Name the fields of a throw in whose place those of one that is like it stand."""
+    for field, value in throw.items():
+        if isinstance(value, Mapping) and isinstance(base.get(field), Mapping):
+            yield from _replaced(f"{section}.{field}", base[field], value)
+        elif field in base:
+            yield f"{section}.{field}"
 
 
 @dataclass(frozen=True)

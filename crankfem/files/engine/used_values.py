@@ -9,8 +9,10 @@ from typing import Any
 from crankbase.errors import InputError
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.file_kinds import any_sections, file_kind
+from crankfem.files.engine.throw_file import tables_of_throws, unused_throws
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.satellites import called
+from crankfem.files.sections.crank_throws import PLAIN
 
 ALL = "*"
 THROW = ("throw", "throws", "shaft.throws")
@@ -27,7 +29,7 @@ CLASS_ALONE = (
     *(f"limits.{name}" for name in ("coupling_heat", "damper_torque", "damper_heat")),
     *("limits.generator_angle", "limits.elements.heat", POLES),
 )
-# Only a check of the mechanism, whether the skirt meets a counterweight, has this.
+# Only a warning, that the skirt meets a counterweight, has this.
 SKIRT = "piston.skirt_length"
 # Of the crankshaft's steel, for a limit by a rule; where the maker's limit replaces it nothing is.
 STEEL = ("limits.tensile_strength", "limits.yield_strength", "limits.alloy")
@@ -41,6 +43,8 @@ WHOLE = (
     "bearings.damping",
     "bearings.variation",
 )
+# Through so many points a cubic spline is a straight line.
+STRAIGHT = 2
 FREE = ("damping", "loss_factor", "relative_damping", "magnifier", "ground_damping")
 # What natural frequencies of the crankshaft do not depend on, and what those of one kind do not.
 UNFORCED = (
@@ -84,17 +88,25 @@ USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "plan": (STUDY, ()),
     "doe": (STUDY, ()),
     "designs": (STUDY, ()),
-    "mechanism": ((*MECHANISM, "throw", "material.density"), (*RUNNING, POLES)),
-    "harmonics": ((*MECHANISM, "throw.crank_radius"), (*RUNNING, "engine.rated_power", POLES)),
+    "mechanism": ((*MECHANISM, "throw", "material.density"), (*RUNNING, POLES, SKIRT)),
+    "mechanism --motored": ((*MECHANISM, "throw", "material.density"), (*RUNNING, POLES, SKIRT)),
+    "harmonics": (
+        (*MECHANISM, "throw.crank_radius"),
+        (*RUNNING, "engine.rated_power", POLES, SKIRT),
+    ),
     "two-mass": (
         ("two_mass_check", "torque", "vibration.highest_order", "engine"),
-        ("engine.bore", "engine.stroke", "engine.rated_power", POLES),
+        # Times of the torque shift phases alone.
+        (
+            *(f"engine.{name}" for name in ("bore", "stroke", "rated_power", "throws")),
+            *(POLES, "torque.reading.top"),
+        ),
     ),
     "vibration": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, *CLASS_ALONE, SKIRT)),
     "vibration --coupled": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *CLASS_ALONE, SKIRT)),
     "vibration of a chain": ((ALL,), ("chain.dashpots", *(f"*.{name}" for name in FREE))),
     "class": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, SKIRT)),
-    "run": ((ALL,), CLASS_ALONE),
+    "run": ((ALL,), (*CLASS_ALONE, SKIRT)),
     "optimum": ((*THROW, "material"), ()),
     "optimum of frequencies": ((ALL, "vibration.reciprocating"), UNFORCED),
     "optimum --first_axial_frequency": ((ALL,), (*UNFORCED, *TORSIONAL_ALONE)),
@@ -145,26 +157,20 @@ def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
     key = f"{command} of a chain" if file_kind(content) == "chain" else command
     if key not in USES:  # the command refuses the file
         return ()
-    used, without = USES[key]
-    if WHOLE[0] in without and "plant" in content.sections.get("shaft_line", {}):
-        without += ROTATING  # which the plant's chain has; only the whole crankshaft takes them
+    used, always = USES[key]
+    without = (*always, *_without_effect(content, command, used, always))
     if with_model:
         without += ("vibration.model",)
     if command == "run" and (with_model or "model" in content.sections.get("vibration", {})):
         without += ("study",)  # for which the saved model stands
-    limits = content.sections.get("limits", {}).keys()
-    if "crankshaft_stress" in limits:
-        without += STEEL
-    if {"crankshaft_stress", "tensile_strength"} & limits and not command.startswith("run"):
-        without += ("strength.tensile_strength",)
-    if command == "class" and not AXIAL_LIMITS & limits:
-        without += TO_JUDGE_AXIAL
-    if content.sections.get("vibration", {}).get("reciprocating", "half") == "half":
-        without += ("rod.length",) if "vibration.reciprocating" in used else ()
+    if used == STUDY:
+        without += tuple(unused_throws(content, content.sections.get("study", {}).get("throw")))
+    elif "study" not in content.sections or _is_unused("study", used, without):
+        without += tuple(_replaced(content))  # which a study has in its key all the same
     names: list[str] = []
     for section, values in content.sections.items():
         fields = list(_fields(section, values))
-        unused = [name for name in fields if _longest(name, without) >= _longest(name, used)]
+        unused = [name for name in fields if _is_unused(name, used, without)]
         names += [section] if unused and len(unused) == len(fields) else unused
     return tuple(dict.fromkeys(names))
 
@@ -187,6 +193,88 @@ def not_used_of(source: str, command: str) -> tuple[str, ...] | None:
     return tuple(name for name, there in damps.items() if there)
 
 
+def _without_effect(
+    content: TomlFile, command: str, used: tuple[str, ...], without: tuple[str, ...]
+) -> Iterator[str]:
+    """Sections and fields that others of the file leave without effect."""
+    sections, fields = content.sections, {name: set(one) for name, one in content.sections.items()}
+    limits, line = fields.get("limits", set()), fields.get("shaft_line", set())
+    if WHOLE[0] in without and "plant" in line:
+        yield from ROTATING  # which the plant's chain has; only the whole crankshaft takes them
+    if "crankshaft_stress" in limits:
+        yield from STEEL
+    if {"crankshaft_stress", "tensile_strength"} & limits and not command.startswith("run"):
+        yield "strength.tensile_strength"
+    plant = {"driven", "shaft_line"} & fields.keys()
+    if plant and {"crankshaft_stress", "crankshaft_rule"} & limits and command != "class":
+        yield "engine.drives"  # which selects a rule, and tells what else a plant has
+    if command == "class" and not AXIAL_LIMITS & limits:
+        yield from TO_JUDGE_AXIAL
+    if sections.get("vibration", {}).get("reciprocating", "half") == "half":
+        yield from ("rod.length",) if "vibration.reciprocating" in used else ()
+    for kind in ("thrust", "torque"):
+        if f"{kind}_shares" not in fields.get("propeller_forces", ()):
+            yield f"propeller_forces.rated_{kind}"
+    if "pressure_table" in fields.get("gas", ()) and command != "mechanism --motored":
+        yield from ("gas.intake_pressure", "gas.exhaust_pressure")
+        if command in ("mechanism", "harmonics"):  # else of a cylinder that misfires
+            yield "gas.compression_ratio"
+    yield from _of_map(sections.get("gas_map"))
+
+
+def _of_map(values: Mapping[str, Any] | None) -> Iterator[str]:
+    """Fields of a map that its points, or the lack of a law, leave without effect."""
+    if values is None:
+        return
+    from crankfem.files.sections.excitation_sections import GasMap  # here: loading it takes long
+
+    section = GasMap.from_text(values)
+    if section.law != "propeller":
+        yield "gas_map.measure"
+    if section.law is None:
+        yield "gas_map.rated_load"
+    points = section.points
+    speeds, loads = ({getattr(point, name) for point in points} for name in ("speed", "load"))
+    if len(speeds) <= STRAIGHT and (len(loads) <= STRAIGHT or len(points) == len(speeds)):
+        yield "gas_map.method"
+
+
+def _replaced(content: TomlFile) -> Iterator[str]:
+    """Fields of throws in whose place others of the same throw stand, or which say where nothing is."""
+    throws = tables_of_throws(content.sections)
+    for name, throw in throws.items():
+        section = name if name == PLAIN else f"throws.{name}"
+        whole = _with_missing(throw, throws.get(str(throw.get("like")), {}))
+        yield from (f"{section}.{field}" for field in _replaced_in(whole))
+
+
+def _with_missing(values: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of a table with those of another that it lacks, also in tables within."""
+    inner = {
+        name: _with_missing(value, others[name])
+        for name, value in values.items()
+        if isinstance(value, Mapping) and isinstance(others.get(name), Mapping)
+    }
+    return {**others, **values, **inner}
+
+
+def _replaced_in(throw: Mapping[str, Any]) -> Iterator[str]:
+    pins = throw.get("further_pins")
+    pins = pins if isinstance(pins, list) else []
+    left, right = (throw.get(f"{side}_web") for side in ("left", "right"))
+    of_both = (
+        left.keys() & right.keys() if isinstance(left, dict) and isinstance(right, dict) else ()
+    )
+    for kind in of_both:
+        if all(f"web_{kind}" in pin for pin in pins) or kind not in ("thickness", "width"):
+            yield kind if kind == "counterweight" else f"web_{kind}"
+    if {"main_journal_fillet_radius", "pin_fillet_radius"} <= throw.keys():
+        yield "fillet_radius"
+    for bore, pins_too in (("main_journal_bore", ()), ("pin_bore", pins)):
+        if bore not in throw and not any("bore" in pin for pin in pins_too):
+            yield f"{bore}_offset"
+
+
 def _fields(path: str, values: Mapping[str, Any]) -> Iterator[str]:
     """Paths of the fields of a table and of those in it, without places in lists."""
     for name, value in values.items():
@@ -201,6 +289,10 @@ def _fields(path: str, values: Mapping[str, Any]) -> Iterator[str]:
 def _longest(name: str, places: tuple[str, ...]) -> int:
     """Length of the longest place that a field is, or is in; 0 if there is none."""
     return max((len(place) for place in places if _is_under(name, place)), default=0)
+
+
+def _is_unused(name: str, used: tuple[str, ...], without: tuple[str, ...]) -> bool:
+    return _longest(name, without) >= _longest(name, used)
 
 
 def _is_under(name: str, place: str) -> bool:

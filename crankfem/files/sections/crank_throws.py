@@ -122,8 +122,7 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
             f"shaft.throws: given {len(names)} names; allowed is {count}, because the shaft has so many "
             "cranks."
         )
-    for name in names:
-        check_choice("shaft.throws", name, throws, "these throws are in the file")
+    _check_names(names, throws)
     unused = [name for name in throws if name not in names]
     if unused:
         raise InputError(
@@ -135,8 +134,14 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
 
 def free_end_throw_name(throws: Throws, layout: ShaftLayout | None) -> str:
     """Return the name of the throw at the free end; if the file has no shaft, of its first throw."""
-    names = () if layout is None else layout.throws or ()
-    return next((name for name in names if name in throws), next(iter(throws)))
+    names = () if layout is None or PLAIN in throws else layout.throws or ()
+    _check_names(names, throws)
+    return next(iter(names or throws))
+
+
+def _check_names(names: Sequence[str], throws: Throws) -> None:
+    for name in names:
+        check_choice("shaft.throws", name, throws, "these throws are in the file")
 
 
 def throw_of_name(throws: Throws, name: object, field: str, default: str) -> CrankThrow:
