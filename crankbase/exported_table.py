@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -87,14 +86,16 @@ class ExportedTable:
     def wrong_cells(self, column: int, name: str) -> list[str]:
         """Return a sentence for the first cells of a column that are no finite numbers, and the count."""
         wrong = np.flatnonzero(~np.isfinite(self.numbers(column)))
-        told = [
+        sentences = [
             f'{self.path}, line {self.lines[row]}: {name}: given "{shortened(self.cells[row][column])}"; '
             "allowed are finite numbers, because every sample counts."
             for row in wrong[:MOST_LINES]
         ]
         if wrong.size > MOST_LINES:
-            told.append(f"{self.path}: {name}: {wrong.size} cells in all are no finite numbers.")
-        return told
+            sentences.append(
+                f"{self.path}: {name}: {wrong.size} cells in all are no finite numbers."
+            )
+        return sentences
 
 
 def number(cell: str, decimal: str = ".") -> float:
@@ -261,7 +262,8 @@ def _sheet_rows(path: Path, content: bytes, what: str, sheet: str) -> list[Row]:
         book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=True)
         sheets = {
             page.title: [
-                [_cell_text(cell) for cell in row] for row in page.iter_rows(values_only=True)
+                ["" if cell is None else str(cell).strip() for cell in row]
+                for row in page.iter_rows(values_only=True)
             ]
             for page in book.worksheets
         }
@@ -284,10 +286,6 @@ def _sheet_rows(path: Path, content: bytes, what: str, sheet: str) -> list[Row]:
     return [(place, row) for place, row in enumerate(rows, start=1) if any(row)]
 
 
-def _cell_text(cell: Any) -> str:
-    return "" if cell is None else str(cell).strip()
-
-
 def _table_of(path: Path, rows: list[Row], comments: tuple[str, ...]) -> ExportedTable:
     counts = [sum(map(_looks_like_number, cells)) for _, cells in rows]
     # Without any numbers the first line is a header all the same.
@@ -297,8 +295,9 @@ def _table_of(path: Path, rows: list[Row], comments: tuple[str, ...]) -> Exporte
     width = max((_filled(cells) for _, cells in data or preamble[-1:]), default=0)
     usual = sorted(_filled(cells) for _, cells in data)[len(data) // 2] if data else width
     short = [(line, cells) for line, cells in data if _filled(cells) < usual]
+    count = "two" if usual == 2 else f"{usual}"
     faults = [
-        f'{path}, line {line}: given "{shortened(", ".join(cells))}"; allowed are {_count(usual)} numbers, '
+        f'{path}, line {line}: given "{shortened(", ".join(cells))}"; allowed are {count} numbers, '
         "as in the other lines."
         for line, cells in short[:MOST_LINES]
     ]
@@ -324,10 +323,6 @@ def _table_of(path: Path, rows: list[Row], comments: tuple[str, ...]) -> Exporte
         decimal,
         (*faults, *mixed),
     )
-
-
-def _count(width: int) -> str:
-    return "two" if width == 2 else f"{width}"
 
 
 def _filled(cells: Sequence[str]) -> int:

@@ -425,9 +425,13 @@ def units(
             unit = of_part if quantity.unit == ".." else quantity.exported or quantity.unit
             if unit and not _has_results(kind):
                 inside = f"{place}.*" if isinstance(content, Mapping) else place
-                named = _told(unit, around)
+                named: Any = unit
+                tells = (owner for owner in around if unit[:1] == "." and hasattr(owner, unit[1:]))
+                owner = next(tells, None)
+                if owner is not None and unit[1:] not in contents(type(owner)):
+                    named = getattr(owner, unit[1:])  # JSON has nothing else that tells it
                 if isinstance(named, Mapping):  # a unit for each name
-                    known |= {f"{place}.{key}": own for key, own in named.items()}
+                    known |= {f"{place}.{key}": key_unit for key, key_unit in named.items()}
                 else:
                     known[inside] = named
             known |= units(content, path if quantity.flat else f"{place}.", around, unit)
@@ -472,14 +476,6 @@ def _ends(path: str) -> list[tuple[str, str]]:
         (".".join(names[-count:]), ".".join((*names[-count:-1], "*")))
         for count in range(1 + (names[-1] == "*"), len(names) + 1)
     ]
-
-
-def _told(unit: str, around: tuple[Result, ...]) -> Any:
-    """Return the unit that an internal value tells; unchanged if JSON has what tells it."""
-    tells = (owner for owner in around if unit[:1] == "." and hasattr(owner, unit[1:]))
-    owner = next(tells, None)
-    known = owner is None or unit[1:] in contents(type(owner))
-    return unit if known else getattr(owner, unit[1:])
 
 
 @cache

@@ -147,7 +147,9 @@ class OutputUnits:
         shown = OutputUnit(converted[0], converted[1], wished=True)
 
         def write(number: re.Match[str]) -> str:
-            return shown.number(float(number[0]) * size, max(_digits(number[0]), 3))
+            mantissa = number[0].partition("e")[0].lstrip("+-").lstrip("0.")
+            digits = len(mantissa.replace(".", ""))
+            return shown.number(float(number[0]) * size, max(digits, 3))
 
         return f"{_NUMBERS.sub(write, match['numbers'])} {shown.name}"
 
@@ -194,7 +196,24 @@ def parse_output_units(text: str | None) -> OutputUnits:
     for name in (part.strip() for part in listed.split(",")):
         if not name and listed == SYSTEMS["si"]:
             continue
-        kind, size = _parsed(name)
+        try:
+            if not name or re.match(r"\d", name.removeprefix("1/")):
+                raise NoUnitError("a number or nothing")
+            quantity = unit_quantity(name)
+        except NoUnitError as error:
+            no_unit = f"; {error.cure}" if error.cure else ", which is no unit"
+            raise InputError(
+                f"--units: given {name!r}{no_unit}; allowed are units with commas between them, like "
+                '"in, lbf, ksi", or one of imperial and SI.'
+            ) from None
+        kind, shifted = kind_of(quantity), not quantity._is_multiplicative
+        if shifted or kind not in _printed_kinds():
+            raise InputError(
+                f"--units: given {name!r}, of a kind that is never printed; allowed are units of length, "
+                "force, torque, stress, mass, inertia, compliance, angle, speed, frequency, power, energy "
+                "and time."
+            )
+        size = float(quantity.to_base_units().magnitude)
         for other_kind, other, _ in wished:
             if other_kind == kind:
                 raise InputError(
@@ -203,28 +222,6 @@ def parse_output_units(text: str | None) -> OutputUnits:
                 )
         wished.append((kind, name, size))
     return OutputUnits(tuple(wished))
-
-
-def _parsed(name: str) -> tuple[Kind, float]:
-    """Return kind of a unit and its size in SI."""
-    try:
-        if not name or re.match(r"\d", name.removeprefix("1/")):
-            raise NoUnitError("a number or nothing")
-        quantity = unit_quantity(name)
-    except NoUnitError as error:
-        no_unit = f"; {error.cure}" if error.cure else ", which is no unit"
-        raise InputError(
-            f"--units: given {name!r}{no_unit}; allowed are units with commas between them, like "
-            '"in, lbf, ksi", or one of imperial and SI.'
-        ) from None
-    kind, shifted = kind_of(quantity), not quantity._is_multiplicative
-    if shifted or kind not in _printed_kinds():
-        raise InputError(
-            f"--units: given {name!r}, of a kind that is never printed; allowed are units of length, "
-            "force, torque, stress, mass, inertia, compliance, angle, speed, frequency, power, energy and "
-            "time."
-        )
-    return kind, float(quantity.to_base_units().magnitude)
 
 
 @cache
@@ -256,12 +253,6 @@ def _joined(factors: list[tuple[str, int]]) -> str:
 
 def _power(name: str, power: int) -> str:
     return name if power == 1 else f"{name}^{power}"
-
-
-def _digits(text: str) -> int:
-    """Count the significant digits of a number."""
-    mantissa = text.partition("e")[0].lstrip("+-").lstrip("0.")
-    return len(mantissa.replace(".", ""))
 
 
 # A value in SI, words as they are, values beside each other, or None where there is no value.

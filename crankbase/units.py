@@ -462,24 +462,24 @@ def size_in(text: str, unit: str) -> tuple[float, float]:
     ((1.0, 0.0), (9.80665, 0.0), (1.0, 273.15))
     """
     for weights in (False, True):
-        given = _unit(text, weights)
-        if unit == "K" and len(given.names) == 1 and not given.names.isdisjoint(_ZEROS):
-            return _ZEROS[next(iter(given.names))]
-        if (size := _size(given, unit)) is not None:
+        source = _unit(text, weights)
+        if unit == "K" and len(source.names) == 1 and not source.names.isdisjoint(_ZEROS):
+            return _ZEROS[next(iter(source.names))]
+        if (size := _size(source, unit)) is not None:
             return size, 0.0
     raise OtherKindError(text)
 
 
-def _size(given: _Unit, unit: str) -> float | None:
+def _size(source: _Unit, unit: str) -> float | None:
     """Return the size of a unit in one of SI, None if it is of another kind."""
     wanted = _unit(unit)
-    (dimension, angle), (wanted_dimension, wanted_angle) = given.kind, wanted.kind
-    if dimension != wanted_dimension or not given.names.isdisjoint(_ZEROS):
+    (dimension, angle), (wanted_dimension, wanted_angle) = source.kind, wanted.kind
+    if dimension != wanted_dimension or not source.names.isdisjoint(_ZEROS):
         return None
-    size = given.size / wanted.size
+    size = source.size / wanted.size
     if unit in PER_TURN:
         if angle not in (0.0, 1.0):
             return None
         return size * math.pow(2.0 * math.pi, wanted_angle - angle)
-    left_out = angle == 0.0 and "N m" in unit and given.names.isdisjoint(_COUNTING)
+    left_out = angle == 0.0 and "N m" in unit and source.names.isdisjoint(_COUNTING)
     return size if angle == wanted_angle or left_out else None

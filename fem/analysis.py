@@ -1014,11 +1014,16 @@ class RefinementLevel:
         solved_mesh = (self.mesh, self.stiffness, self.pins)
         parts = [
             known
-            if one == known.symmetry
+            if symmetry == known.symmetry
             else condense(
-                *solved_mesh, one, self.solver, problem.end_sections, problem.watch, held=self.held
+                *solved_mesh,
+                symmetry,
+                self.solver,
+                problem.end_sections,
+                problem.watch,
+                held=self.held,
             )
-            for one in symmetries
+            for symmetry in symmetries
         ]
         with problem.watch.lap("error estimate"):
             return tuple(
@@ -1098,7 +1103,9 @@ def solve_to_accuracy(
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
-    _check(throw, accuracy, problem.material)
+    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
+    check_kind("material", problem.material, Material, "a Material, like STEEL")
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
     first = first_factor(throw, accuracy)
     check_solving_memory(throw, expected_unknowns(throw, first), accuracy)
     level = solve_level(_mesh(throw, first, None, problem, mesher), problem)
@@ -1134,12 +1141,6 @@ def _mesh(
         mesh = mesher(throw, factor, "auto", sizes)
         problem.watch.add({"geometry": mesh.geometry_seconds})
     return mesh
-
-
-def _check(throw: Throw, accuracy: float, material: Material) -> None:
-    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
-    check_kind("material", material, Material, "a Material, like STEEL")
-    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
 
 
 def analyze_throw(

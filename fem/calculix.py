@@ -85,9 +85,10 @@ class LoadCase:
             )
         loaded = [place for place in self.held if self.end_loads[place] != 0.0]
         if loaded:
+            end = "left" if loaded[0] < 6 else "right"
             raise InputError(
-                f"load case {self.title!r}: given a load on {_motion_name(loaded[0])}; allowed are loads "
-                "on motions that are free, because a support would take it at once."
+                f"load case {self.title!r}: given a load on {MOTIONS[loaded[0] % 6]} of the {end} end; "
+                "allowed are loads on motions that are free, because a support would take it at once."
             )
 
     @property
@@ -167,10 +168,6 @@ def _on_right(place: int) -> tuple[float, ...]:
     return tuple(float(i == 6 + place) for i in range(12))
 
 
-def _motion_name(place: int) -> str:
-    return f"{MOTIONS[place % 6]} of the {'left' if place < 6 else 'right'} end"
-
-
 Array = NDArray[np.float64]
 
 # The set of the four nodes that stand for the end sections, in the order left center, left rotation,
@@ -245,13 +242,22 @@ def calculix_deck(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]
     count = len(mesh.points)
     loaded = any(case.pin_forces for case in cases)
     shares = uniform_pin_loads(mesh) if loaded else np.zeros((len(mesh.pins), 0))
-    lines = [
-        *_head(mesh, material, cases),
-        *inp_lines(mesh),
-        *_end_node_lines(mesh),
-        *_material_lines(material),
-        *_rigid_ends(mesh),
+    lines = [*_head(mesh, material, cases), *inp_lines(mesh), f"*NODE, NSET={ENDS}"]
+    for number, z in enumerate((0.0, 0.0, mesh.length, mesh.length), start=count + 1):
+        lines.append(f"{number},0.0,0.0,{number_field(z)}")
+    lines += [
+        "*MATERIAL, NAME=THROW",
+        "*ELASTIC",
+        f"{number_field(material.youngs_modulus)},{number_field(material.poisson_ratio)}",
+        "*DENSITY",
+        number_field(material.density),
+        "*SOLID SECTION, ELSET=THROW, MATERIAL=THROW",
     ]
+    for side, surface in enumerate((LEFT_END, RIGHT_END)):
+        center, rotation = (_end_node(6 * side + place, count)[0] for place in (UX, RX))
+        lines.append(
+            f"*RIGID BODY, NSET={set_name(surface)}, REF NODE={center}, ROT NODE={rotation}"
+        )
     for number, case in enumerate(cases, start=1):
         lines += _step_lines(case, number, count, shares)
     return "\n".join(lines) + "\n"
@@ -283,29 +289,6 @@ def _head(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]) -> Ite
 
 def _one_line(title: str) -> str:
     return " ".join(title.split())
-
-
-def _end_node_lines(mesh: ThrowMesh) -> Iterator[str]:
-    yield f"*NODE, NSET={ENDS}"
-    for number, z in enumerate((0.0, 0.0, mesh.length, mesh.length), start=len(mesh.points) + 1):
-        yield f"{number},0.0,0.0,{number_field(z)}"
-
-
-def _material_lines(material: Material) -> Iterator[str]:
-    yield from (
-        "*MATERIAL, NAME=THROW",
-        "*ELASTIC",
-        f"{number_field(material.youngs_modulus)},{number_field(material.poisson_ratio)}",
-        "*DENSITY",
-        number_field(material.density),
-        "*SOLID SECTION, ELSET=THROW, MATERIAL=THROW",
-    )
-
-
-def _rigid_ends(mesh: ThrowMesh) -> Iterator[str]:
-    for side, surface in enumerate((LEFT_END, RIGHT_END)):
-        center, rotation = (_end_node(6 * side + place, len(mesh.points))[0] for place in (UX, RX))
-        yield f"*RIGID BODY, NSET={set_name(surface)}, REF NODE={center}, ROT NODE={rotation}"
 
 
 def _end_node(place: int, count: int) -> tuple[int, int]:

@@ -154,10 +154,10 @@ class StressRecovery:
         self._round, owner, starts = _grouped(number.ravel(), len(vertices))
         self._round //= 4
         self._limits = np.append(starts, len(owner)).tolist()
-        own = points[vertices[owner], None]
-        distances = np.linalg.norm(points[elements[self._round, :4]] - own, axis=2).sum(axis=1)
+        vertex = points[vertices[owner], None]
+        distances = np.linalg.norm(points[elements[self._round, :4]] - vertex, axis=2).sum(axis=1)
         sizes = np.add.reduceat(distances, starts) / (3 * np.bincount(owner))
-        local = (values @ points[elements])[self._round] - own
+        local = (values @ points[elements])[self._round] - vertex
         self._terms = _terms(local / sizes[owner, None, None])
         systems = np.add.reduceat(self._terms.transpose(0, 2, 1) @ self._terms, starts)
         systems[:, np.arange(10), np.arange(10)] += systems[:, :1, 0] * HELD_BACK
@@ -349,18 +349,11 @@ def _difference_rows() -> Array:
     """Rows (10, 14) that give a difference of stresses from those at nodes and sampling points."""
     values, _, weights = shapes_for_quadrature(ENERGY_ORDER)
     masses = (values.T * weights / weights.sum()) @ values
-    linear = _linear_through_samples(np.vstack([np.eye(4), 0.5 * _ENDS]))
+    # The linear function through the values at the sampling points, at nodes in barycentric coordinates.
+    shapes, _, _ = shapes_for_quadrature(SAMPLING_ORDER)
+    sampled = shapes[:, :4] + 0.5 * shapes[:, 4:] @ _ENDS
+    linear = np.vstack([np.eye(4), 0.5 * _ENDS]) @ np.linalg.inv(sampled)
     return np.asarray(np.linalg.cholesky(masses).T @ np.hstack([np.eye(10), -linear]))
-
-
-def _linear_through_samples(corners: Array) -> Array:
-    """Weights (q, 4) of the sampling points in a linear function at places of these coordinates.
-
-    `corners` (q, 4) are barycentric coordinates.
-    """
-    values, _, _ = shapes_for_quadrature(SAMPLING_ORDER)
-    sampled = values[:, :4] + 0.5 * values[:, 4:] @ _ENDS
-    return np.asarray(corners @ np.linalg.inv(sampled))
 
 
 # True energy of the error divided by the estimated one: of throws with fillets or (False) without, on fine

@@ -40,8 +40,8 @@ def compliance_table(supports: Iterable[str], **compliances: Callable[[str], flo
     return table(
         {"support": (names, "")}
         | {
-            compliance: ([found(name) for name in names], WORDS[compliance][0])
-            for compliance, found in compliances.items()
+            compliance: ([of_support(name) for name in names], WORDS[compliance][0])
+            for compliance, of_support in compliances.items()
         }
     ).set_index("support")
 

@@ -132,8 +132,8 @@ def error_adjoints(
         duals = recovery.duals(solutions, material)
         loads = recovery.forces(duals.stresses).reshape(mesh.points.size, -1)
         fields, forces = (
-            found.reshape(solutions.shape)
-            for found in solve_given_ends(mesh, held, still, loads, part.symmetry, solver, watch)
+            solved.reshape(solutions.shape)
+            for solved in solve_given_ends(mesh, held, still, loads, part.symmetry, solver, watch)
         )
         errors = duals.products, duals.stresses
         adjoints.append(

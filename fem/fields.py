@@ -217,12 +217,18 @@ def stress_fields(mesh: ThrowMesh, throw: CrankThrow, material: Material) -> Str
     finally:
         shared.close()
     whole = checked_superelement(classes, radial_directions(throw), mesh)
-    values, motions = np.linalg.eigh(_scaled(whole.stiffness, mesh.length))
     scale = _scales(mesh.length)
+    values, motions = np.linalg.eigh(scale[:, None] * whole.stiffness * scale)
     # Motions of unit strain energy: end loads do the amplitude as work on them.
     unit = scale[:, None] * motions[:, -STRAINING:] / np.sqrt(values[-STRAINING:])
-    shares = tuple((part.symmetry, _fields(part, unit)) for part in classes)
-    surface = fillet_surface(LoadedThrow(mesh, material, (), shares, shared.solver, "rigid"))
+    shares = []
+    for part in classes:
+        fields = np.zeros((*part.fields.shape[:2], 2 * STRAINING))
+        fields[..., :STRAINING] = part.fields @ (part.symmetry.shares @ unit)
+        # Loads on the pin hold the ends: with `StressFields.amplitudes` the ends move freely.
+        fields[..., STRAINING + part.pin_components[:, 1]] = part.pin_fields
+        shares.append((part.symmetry, fields))
+    surface = fillet_surface(LoadedThrow(mesh, material, (), tuple(shares), shared.solver, "rigid"))
     frames = tangent_frames(surface.normals)[:, :2]
     matrices = surface.stress[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
     flat = np.einsum("sai,skij,sbj->skab", frames, matrices, frames, optimize=True)
@@ -262,20 +268,3 @@ def _places(
 def _scales(length: float) -> Array:
     """Sizes (12,) of comparable end motions: rotations times the throw's length."""
     return np.tile([1.0] * 3 + [1.0 / length] * 3, 2)
-
-
-def _scaled(stiffness: Array, length: float) -> Array:
-    scale = _scales(length)
-    return np.asarray(scale[:, None] * stiffness * scale)
-
-
-def _fields(part: CondensedClass, motions: Array) -> Array:
-    """Displacement (n, 3, 12) of the meshed part under end motions (12, 6) and unit loads on the pin.
-
-    The loads on the pin hold the ends: with the amplitudes of `StressFields.amplitudes` the ends move
-    freely.
-    """
-    fields = np.zeros((*part.fields.shape[:2], 2 * STRAINING))
-    fields[..., :STRAINING] = part.fields @ (part.symmetry.shares @ motions)
-    fields[..., STRAINING + part.pin_components[:, 1]] = part.pin_fields
-    return fields

@@ -739,21 +739,18 @@ def reading_quality(loaded: LoadedThrow, node: int, load: int, *, shear: bool) -
     """
     measure = largest_shear if shear else von_mises
     shares, spreads = [], []
-    for corner in _corners(loaded.mesh, loaded.whole, node):
+    mesh, whole = loaded.mesh, loaded.whole
+    image, number = (int(index[0]) for index in np.nonzero(whole.numbers == node))
+    element, place = (int(index[0]) for index in np.nonzero(mesh.elements == number))
+    # The node itself if it is a corner, else the ends of the edge that it halves.
+    places = [place] if place < 4 else EDGES[place - 4]
+    for corner in whole.numbers[image, mesh.elements[element, places]]:
         every = _single_stresses(loaded, corner, load)
         mean = every.mean(axis=0)
         sizes = np.abs(principal_stresses(mean))
         shares.append(sizes.min() / sizes.max())
         spreads.append(np.abs(measure(every) - measure(mean)).max() / measure(mean))
     return ReadingQuality(float(max(shares)), float(max(spreads)))
-
-
-def _corners(mesh: ThrowMesh, whole: WholeNodes, node: int) -> Integers:
-    """Numbers, in the whole throw, of a node that is a corner, or of the ends of the edge that it halves."""
-    image, number = (int(found[0]) for found in np.nonzero(whole.numbers == node))
-    element, place = (int(found[0]) for found in np.nonzero(mesh.elements == number))
-    places = [place] if place < 4 else EDGES[place - 4]
-    return np.asarray(whole.numbers[image, mesh.elements[element, places]])
 
 
 def _single_stresses(loaded: LoadedThrow, node: int, load: int) -> Array:
@@ -832,14 +829,20 @@ def fillet_surface(loaded: LoadedThrow) -> FilletSurface:
     any other.
     """
     mesh = loaded.mesh
-    facets, on_fillet = _facets_at_fillets(mesh)
+    free = [name for name in mesh.surfaces if name not in CUTS_AND_ENDS]
+    corners = np.concatenate([mesh.surfaces[name] for name in free])
+    stressed = np.concatenate(
+        [np.full(len(mesh.surfaces[name]), name in STRESSED) for name in free]
+    )
+    # Facets on and next to fillets and oil holes.
+    near = np.isin(corners, corners[stressed]).any(axis=1)
     whole = loaded.whole
     points = whole.collect([image.points(mesh.points) for image in whole.images])
     displacement = whole.collect([loaded.displacement(image) for image in whole.images])
     stresses = surface_stress(
         points,
-        whole_facets(whole, facets),
-        np.tile(on_fillet, len(whole.images)),
+        whole_facets(whole, six_node_triangles(mesh, corners[near])),
+        np.tile(stressed[near], len(whole.images)),
         displacement,
         loaded.material,
     )
@@ -853,16 +856,6 @@ def fillet_points(mesh: ThrowMesh) -> Array:
     """Nodes (p, 3) on the fillets and in the oil holes of a meshed part [m]."""
     corners = np.concatenate([mesh.surfaces[name] for name in STRESSED if name in mesh.surfaces])
     return np.asarray(mesh.points[np.unique(six_node_triangles(mesh, corners))])
-
-
-def _facets_at_fillets(mesh: ThrowMesh) -> tuple[Integers, NDArray[np.bool_]]:
-    """Facets (t, 6) on and next to fillets and oil holes, and which are on them."""
-    free = [name for name in mesh.surfaces if name not in CUTS_AND_ENDS]
-    corners = np.concatenate([mesh.surfaces[name] for name in free])
-    kinds = [np.full(len(mesh.surfaces[name]), name in STRESSED) for name in free]
-    on_fillet = np.concatenate(kinds)
-    near = np.isin(corners, corners[on_fillet]).any(axis=1)
-    return six_node_triangles(mesh, corners[near]), on_fillet[near]
 
 
 Criterion = Literal["principal", "von Mises"]

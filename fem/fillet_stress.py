@@ -360,11 +360,16 @@ class _FilletRefinementLevel:
         # Of mirrored nodes those at x >= 0; nodes on the cut are there to round-off.
         least = -np.inf if loaded.mesh.part == "full" else -CUT_TOLERANCE * loaded.mesh.length
         side = points[:, 0] > least
+        chosen = []
+        for site in sites:
+            nodes = site.holds(points)
+            # All if there are none on this side, as at a hole that points away from it.
+            chosen.append(np.flatnonzero(nodes & side if np.any(nodes & side) else nodes))
         return cls(
             loaded,
             surface,
             fineness,
-            tuple(_chosen(site.holds(points), side) for site in sites),
+            tuple(chosen),
             von_mises(surface.stress),
             principal_stresses(surface.stress),
         )
@@ -455,11 +460,6 @@ class _FilletRefinementLevel:
             "von_mises_place": self._place(nodes[second]),
             "error_estimate": float(errors[number, column]),
         }
-
-
-def _chosen(nodes: NDArray[np.bool_], side: NDArray[np.bool_]) -> Integers:
-    """The nodes on one side; all if there are none, as at a hole that points away from it."""
-    return np.flatnonzero(nodes & side if np.any(nodes & side) else nodes)
 
 
 def _errors(coarse: _FilletRefinementLevel, fine: _FilletRefinementLevel) -> Array:

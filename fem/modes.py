@@ -642,25 +642,6 @@ class FixedInterfaceShapes:
     pin_loads: Array
 
 
-def _fixed_interface_shapes(
-    problem: ClassProblem, cutoff: float, inertia: Array
-) -> tuple[Array, NDArray[np.bool_], Array]:
-    """Squares (m,), whether natural (m,), and shapes (3 n, m) of one class.
-
-    Corrections are the responses to forces `inertia` (3 n, c), without the natural modes in them.
-    """
-    modes = problem.up_to(cutoff)
-    kept = modes.part(slice(0, int(np.count_nonzero(modes.frequencies <= cutoff))))
-    natural = kept.shapes.reshape(3 * problem.nodes, -1)[problem.free]
-    squares, corrections = _corrections(problem, natural, inertia[problem.free])
-    shapes = problem.displacement(np.hstack([natural, corrections]))
-    return (
-        np.concatenate([kept.squares, squares]),
-        np.repeat([True, False], [len(kept.squares), len(squares)]),
-        shapes.reshape(3 * problem.nodes, -1),
-    )
-
-
 def _corrections(problem: ClassProblem, natural: Array, forces: Array) -> tuple[Array, Array]:
     """Static responses (f, c) to forces, orthogonal to natural modes and each other, and their w^2."""
     if not forces.shape[1]:
@@ -712,7 +693,12 @@ def shapes_of_class(
     """
     # The inertia of what sections do beside their mean motions is too small to count.
     forces = inertia[:, : part.symmetry.ends.shape[1] if corrections else 0]
-    squares, natural, shapes = _fixed_interface_shapes(problem, cutoff, forces)
+    modes = problem.up_to(cutoff)
+    kept = modes.part(slice(0, int(np.count_nonzero(modes.frequencies <= cutoff))))
+    natural = kept.shapes.reshape(3 * problem.nodes, -1)[problem.free]
+    correction_squares, answers = _corrections(problem, natural, forces[problem.free])
+    squares = np.concatenate([kept.squares, correction_squares])
+    shapes = problem.displacement(np.hstack([natural, answers])).reshape(3 * problem.nodes, -1)
     copies = part.symmetry.copies
     pin_fields = part.pin_fields.reshape(len(shapes), -1)
     # The fields are answers to the pin loads, so the shapes' work on them is the loads' on the shapes.
@@ -723,7 +709,7 @@ def shapes_of_class(
     return FixedInterfaceShapes(
         symmetries=(part.symmetry,) * len(squares),
         squares=squares,
-        natural=natural,
+        natural=np.arange(len(squares)) < len(kept.squares),
         shapes=shapes,
         coupling=copies * part.shares.T @ (inertia.T @ shapes),
         pin_loads=pin_loads,

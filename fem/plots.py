@@ -28,7 +28,7 @@ def draw_frequencies(
     """
     numbers = np.arange(1, len(frequencies) + 1)
     for place, kind in enumerate(dict.fromkeys(kinds)):
-        here = np.array([one == kind for one in kinds])
+        here = np.array([mode_kind == kind for mode_kind in kinds])
         color = COLORS[place % len(COLORS)]
         axes.vlines(numbers[here], 0.0, frequencies[here], color=color, linewidth=1.2)
         axes.plot(numbers[here], frequencies[here], "o", color=color, markersize=5, label=kind)

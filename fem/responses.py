@@ -223,16 +223,18 @@ def evaluate_throw(
     classes = level.condense(symmetry_classes(part), problem)
     radials = radial_directions(throw)
     corrected = checked_superelement(classes, radials, level.mesh)
-    discrete = combine_classes([one.discrete or one for one in classes], radials)
+    discrete = combine_classes([condensed.discrete or condensed for condensed in classes], radials)
     masses = mass_properties(level.mesh, material.density)
     mass, inertia = masses.mass, masses.inertia_about_shaft
 
     def answered(
-        one: Superelement, of: CrankThrow, mass: float, inertia: float
+        of: CrankThrow, superelement: Superelement, mass: float, inertia: float
     ) -> dict[str, float]:
-        return {**_plain_answers(one, of.length, part), **further(of, one, mass, inertia)}
+        plain_answers = _plain_answers(superelement, of.length, part)
+        return {**plain_answers, **further(of, superelement, mass, inertia)}
 
-    values, plain = (answered(one, throw, mass, inertia) for one in (corrected, discrete))
+    values = answered(throw, corrected, mass, inertia)
+    plain = answered(throw, discrete, mass, inertia)
     estimates = list(values.values()), list(plain.values())
     bars = error_bars(*estimates, level.axial_correction, missing=corrected.missing)
     answers: dict[str, Answer] = {
@@ -240,8 +242,9 @@ def evaluate_throw(
         for (name, value), bar in zip(values.items(), bars.tolist(), strict=True)
     }
     for support in SUPPORTS:
-        influence, axial = (answers[name] for name in _reaction_of(support))
-        answers[f"axial_reaction_{support}"] = _ratio(influence, axial)
+        (influence, error), (axial, axial_error) = (answers[name] for name in _reaction_of(support))
+        # The errors may be independent.
+        answers[f"axial_reaction_{support}"] = influence / axial, math.hypot(error, axial_error)
     # A ratio of differences is known less well than what it is made of.
     for name, other in RATIOS.items():
         if name in answers:
@@ -249,7 +252,10 @@ def evaluate_throw(
             answers[name] = value, math.hypot(error, answers[other][1])
     answers["mass"] = (mass, abs(mass / (material.density * throw.volume) - 1.0))
     if stresses:
-        answers["fillet_stress_factor"] = _largest_factor(throw, material, mesher)
+        peaks = fillet_stresses(throw, material, STRESS_ACCURACY, mesher=mesher).peaks
+        loaded = [peak for peak in peaks if peak.load.kind in STRESS_LOADS]
+        largest = max(loaded, key=lambda peak: peak.factor)
+        answers["fillet_stress_factor"] = largest.factor, largest.error_estimate
     order = sorted(answers, key=[*RESPONSES, *answers].index)
     shares: dict[str, dict[str, float]] = {}
     slope_bars: dict[str, float] = {}
@@ -266,10 +272,10 @@ def evaluate_throw(
         by_path = {}
         for path, change in changes.items():
             grown = mass * (1.0 + STEP * change.mass), inertia * (1.0 + STEP * change.inertia)
-            larger = answered(change.ends[1], change.throws[1], *grown)
+            larger = answered(change.throws[1], change.ends[1], *grown)
             by_path[path] = _shares(larger, plain) | {"mass": change.mass}
         shares = {
-            name: {path: found[name] for path, found in by_path.items() if name in found}
+            name: {path: by_name[name] for path, by_name in by_path.items() if name in by_name}
             for name in order
         }
         coarse = level.axial_correction, False, corrected.missing
@@ -286,8 +292,8 @@ def evaluate_throw(
         {name: answers[name][0] for name in order},
         {name: abs(answers[name][1]) for name in order},
         level.mesh.unknowns,
-        {name: found for name, found in shares.items() if found},
-        {name: slope_bars[name] for name, found in shares.items() if found},
+        {name: of_paths for name, of_paths in shares.items() if of_paths},
+        {name: slope_bars[name] for name, of_paths in shares.items() if of_paths},
     )
 
 
@@ -324,15 +330,3 @@ def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, f
     if part != "full":
         answers |= end_moment_numbers(throw, length, alike=part == "quarter")
     return answers
-
-
-def _ratio(numerator: Answer, denominator: Answer) -> Answer:
-    """Quotient of two results whose errors may be independent."""
-    return numerator[0] / denominator[0], math.hypot(numerator[1], denominator[1])
-
-
-def _largest_factor(throw: CrankThrow, material: Material, mesher: Mesher) -> Answer:
-    stresses = fillet_stresses(throw, material, STRESS_ACCURACY, mesher=mesher)
-    peaks = [peak for peak in stresses.peaks if peak.load.kind in STRESS_LOADS]
-    largest = max(peaks, key=lambda peak: peak.factor)
-    return largest.factor, largest.error_estimate

@@ -212,8 +212,8 @@ def sloped_answer(
         if quantity == "pin_compliance":
             moved = pin_compliance(throw, support, pin)[:3, :3] @ along
             return float(moved @ along / (along @ along))
-        found = support_throw(throw, support)
-        compliances = found.axial, found.torsional, found.influences[pin]
+        answers = support_throw(throw, support)
+        compliances = answers.axial, answers.torsional, answers.influences[pin]
         return float(compliances[SLOPED.index(quantity)])
 
     return answer

@@ -671,7 +671,7 @@ class _PardisoPattern:
         if self._blocks is not None:
             self._solver.set_iparm(37, AXES)
         # Also when nobody closes it.
-        self._finalizer = weakref.finalize(self, _free_pardiso, self._solver)
+        self._finalizer = weakref.finalize(self, self._solver.free_memory, everything=True)
         self._run(ANALYSIS, self._stored(upper)[0], np.zeros((upper.shape[0], 1)))
 
     def fits(self, upper: sparse.csr_array, single: bool) -> bool:
@@ -730,10 +730,6 @@ def _one_thread(mkl: Any) -> Iterator[None]:
         yield
     finally:
         mkl.MKL_Set_Num_Threads_Local(before)
-
-
-def _free_pardiso(solver: Any) -> None:
-    solver.free_memory(everything=True)
 
 
 def _superlu(upper: sparse.csr_array) -> Callable[[Array], Array]:

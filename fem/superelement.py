@@ -169,7 +169,7 @@ class HeldEnds:
         Upper triangle of the stiffness of the free ones.
     coupling : (f, h) sparse array
         Forces along the free ones under those of the end sections.
-    own : (h, h) sparse array
+    between_ends : (h, h) sparse array
         Forces along those of the end sections under themselves.
     sections : SectionMotions
         Allowed motion of the end sections.
@@ -179,7 +179,7 @@ class HeldEnds:
     ends: NDArray[np.int64]
     inner: sparse.csr_array
     coupling: sparse.csr_array
-    own: sparse.csr_array
+    between_ends: sparse.csr_array
     sections: SectionMotions
 
 
@@ -188,13 +188,13 @@ def hold_ends(mesh: ThrowMesh, stiffness: sparse.csr_array, degree: int) -> Held
     ends = _end_unknowns(mesh, axial_class(mesh.part))
     free = np.delete(np.arange(mesh.points.size), ends)
     of_free, of_ends = stiffness[free], stiffness[ends]
-    own = of_ends[:, ends]
+    among_ends = of_ends[:, ends]
     return HeldEnds(
         free,
         ends,
         of_free[:, free].tocsr(),
         (of_free[:, ends] + of_ends[:, free].T).tocsr(),
-        (own + own.T - sparse.diags_array(own.diagonal())).tocsr(),
+        (among_ends + among_ends.T - sparse.diags_array(among_ends.diagonal())).tocsr(),
         measured_sections(mesh, degree),
     )
 
@@ -253,7 +253,9 @@ def condense(
     if end_sections == "rigid":
         held = held or hold_ends(mesh, stiffness, degree)
         sections = held.sections
-        solved, forces = _with_given_ends(mesh, held, shares, symmetry, shared, watch)
+        section_motions = [m for _, m in unit_end_motions(mesh, symmetry, sections)]
+        motions = np.concatenate(section_motions).reshape(len(held.ends), -1)
+        solved, forces = solve_given_ends(mesh, held, motions, shares, symmetry, shared, watch)
     else:
         sections = RIGID
         solved = np.hstack(_with_averaged_ends(mesh, stiffness, shares, symmetry, shared, watch))
@@ -350,23 +352,6 @@ def blocked_unknowns(
     return blocked
 
 
-def _with_given_ends(
-    mesh: ThrowMesh,
-    held: HeldEnds,
-    pin_loads: Array,
-    symmetry: SymmetryClass,
-    solver: SharedSolver,
-    watch: Stopwatch,
-) -> tuple[Array, Array]:
-    """Fields (3 n, k + a) of given unit motions of the end sections and of loads on the pins.
-
-    With the forces (3 n, k + a) beside these loads that they take.
-    """
-    given = [motions for _, motions in unit_end_motions(mesh, symmetry, held.sections)]
-    motions = np.concatenate(given).reshape(len(held.ends), -1)
-    return solve_given_ends(mesh, held, motions, pin_loads, symmetry, solver, watch)
-
-
 def solve_given_ends(
     mesh: ThrowMesh,
     held: HeldEnds,
@@ -392,7 +377,7 @@ def solve_given_ends(
         fields[held.free], residual = factors.solve_with_residual(sides)
     forces[held.free] = -residual
     forces[held.ends] = held.coupling.T @ fields[held.free]
-    forces[held.ends] += held.own @ fields[held.ends]
+    forces[held.ends] += held.between_ends @ fields[held.ends]
     forces[held.ends, count:] -= loads[held.ends]
     return fields, forces
 
@@ -441,7 +426,10 @@ def _with_averaged_ends(
     motions; the right rigid motion is added afterwards.
     """
     end_loads = _end_loads(mesh, symmetry)
-    rigid = _class_rigid_motions(mesh, symmetry)
+    # The rigid motions that the class has, about the throw's middle, of similar sizes.
+    arms = mesh.points - (0.0, 0.0, 0.5 * mesh.length)
+    motions = rigid_motions(arms) / ([1.0] * 3 + [mesh.length] * 3)
+    rigid = motions[:, :, symmetry.central_motions].reshape(3 * len(arms), -1)
     rigid_ends = end_loads.T @ rigid
     blocked = blocked_unknowns(mesh, symmetry, ends=False).ravel()
     free = np.flatnonzero(~blocked)
@@ -476,16 +464,6 @@ def _end_loads(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:
         loads[unit.nodes] = unit.of_class(symmetry)[..., symmetry.end_unknowns]
         columns.append(loads.reshape(3 * len(mesh.points), -1))
     return np.hstack(columns)
-
-
-def _class_rigid_motions(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:
-    """Displacements (3 n, r) of the rigid motions that the class has, about the throw's middle.
-
-    Rotations are divided by the throw's length, so that all have similar size.
-    """
-    arms = mesh.points - (0.0, 0.0, 0.5 * mesh.length)
-    motions = rigid_motions(arms) / ([1.0] * 3 + [mesh.length] * 3)
-    return motions[:, :, symmetry.central_motions].reshape(3 * len(arms), -1)
 
 
 def nodes_on(mesh: ThrowMesh, surface: str) -> NDArray[np.int64]:
@@ -560,13 +538,13 @@ class Superelement:
         if not kept.bending:
             return replace(self, bending=None)
         beyond = 12 + np.arange(kept.bending)
-        own = np.r_[:12, beyond, beyond + whole.sections.bending]
+        unknowns = np.r_[:12, beyond, beyond + whole.sections.bending]
         return replace(
             self,
             bending=replace(
                 whole,
-                stiffness=whole.stiffness[np.ix_(own, own)],
-                pin_loads=whole.pin_loads[:, own],
+                stiffness=whole.stiffness[np.ix_(unknowns, unknowns)],
+                pin_loads=whole.pin_loads[:, unknowns],
                 sections=kept,
             ),
         )
@@ -864,14 +842,6 @@ def assemble_shaft(throws: Sequence[Superelement]) -> Array:
     return stiffness
 
 
-def free_unknowns(sections: int) -> NDArray[np.int64]:
-    """Unknowns left free by main bearings that hold every section laterally, the first one fully."""
-    blocked = np.zeros((sections, 6), dtype=bool)
-    blocked[:, [UX, UY]] = True
-    blocked[0, [UZ, RZ]] = True
-    return np.flatnonzero(~blocked.ravel())
-
-
 def solve_shaft(
     throws: Sequence[Superelement], loads: Array, bearing_stiffness: ArrayLike = math.inf
 ) -> Array:
@@ -1000,9 +970,9 @@ def shaft_compliances(
     pulls[[6 * count + UZ, 6 * count + RZ], [0, 1]] = 1.0
 
     def on_shaft(place: int, loads: Array) -> Array:
-        found = np.zeros((size, loads.shape[1]))
-        found[shaft_unknowns(place, count, sections.bending)] = loads
-        return found
+        spread = np.zeros((size, loads.shape[1]))
+        spread[shaft_unknowns(place, count, sections.bending)] = loads
+        return spread
 
     radial = [on_shaft(place, throw.radial_loads) for place, throw in enumerate(turned)]
     tangential = [on_shaft(place, throw.tangential_loads) for place, throw in enumerate(turned)]

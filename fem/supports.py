@@ -250,25 +250,18 @@ def _between_neighbors(throw: Superelement, pin_loads: Array, support: Neighbors
         angle = math.radians(angle_deg)
         return block_diag(section_rotation(angle)[:2, :2], throw.sections.turn(angle))
 
-    moved = (
-        _helix_motions(condensed, loads, turn(support.right_deg))
-        if support.left_deg == support.right_deg
-        else _chain_motions(condensed, loads, support, turn)
-    )
+    if support.left_deg == support.right_deg:
+        # An endless helix: the right section is the right neighbor's left one, which moves as this throw's
+        # left one but turned. Motions that loads do not excite by symmetry may be without stiffness.
+        turned = turn(support.right_deg)
+        both = np.vstack([np.eye(len(turned)), turned])
+        moved = both @ pinvh(both.T @ condensed @ both, rtol=UNSOLVED) @ (both.T @ loads)
+    else:
+        moved = _chain_motions(condensed, loads, support, turn)
     motions = np.zeros((len(throw.stiffness), loads.shape[1]))
     motions[coupled] = moved
     motions[through] = np.linalg.solve(through_part, forces - coupling.T @ moved)
     return motions
-
-
-def _helix_motions(throw: Array, loads: Array, turn: Array) -> Array:
-    """Coupled motions of a throw in an endless helix: all throws move alike in their own frames.
-
-    Its right section is its right neighbor's left one, which moves as its own left one but turned. Motions
-    that loads do not excite by symmetry may be without stiffness, because their class was not solved.
-    """
-    both = np.vstack([np.eye(len(turn)), turn])
-    return np.asarray(both @ pinvh(both.T @ throw @ both, rtol=UNSOLVED) @ (both.T @ loads))
 
 
 def _chain_motions(
@@ -414,11 +407,11 @@ def equivalent_load(classes: Sequence[CondensedClass], load: NodalLoads) -> Arra
     load : NodalLoads
         One load case.
     """
-    found = np.zeros(2 * classes[0].sections.count)
+    end_loads = np.zeros(2 * classes[0].sections.count)
     for part in classes:
         work = np.einsum("sa,sak->k", load.of_class(part.symmetry)[..., 0], part.fields[load.nodes])
-        found += part.shares.T @ work
-    return found
+        end_loads += part.shares.T @ work
+    return end_loads
 
 
 def local_motion(classes: Sequence[CondensedClass], load: NodalLoads, pins: int) -> Array:
@@ -468,7 +461,7 @@ def pin_compliance(throw: Superelement, support: Support, pin: int) -> Array:
     return np.asarray(throw.pin_flexibility[place, place] + loads[: len(motions)].T @ motions)
 
 
-def checked_vector(name: str, given: ArrayLike, unit: str) -> Array:
+def checked_vector(name: str, value: ArrayLike, unit: str) -> Array:
     """Return three finite numbers.
 
     Raises
@@ -477,12 +470,12 @@ def checked_vector(name: str, given: ArrayLike, unit: str) -> Array:
         If they are not finite, or one is beyond `LARGEST_LOAD`.
     """
     try:
-        vector = np.asarray(given, dtype=float)
+        vector = np.asarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
         vector = np.empty(0)
     if vector.shape != (3,) or not np.all(np.abs(vector) <= LARGEST_LOAD):
         raise InputError(
-            f"{name}: given {quoted(given)}; allowed are three finite numbers [{unit}], none beyond "
+            f"{name}: given {quoted(value)}; allowed are three finite numbers [{unit}], none beyond "
             f"{LARGEST_LOAD:g}."
         )
     return vector

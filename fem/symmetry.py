@@ -279,7 +279,7 @@ class SectionMotions:
         """
         degree = degree_of(sections)
         if degree > self.degree:
-            allowed = ", ".join(str(one) for one in SECTIONS if degree_of(one) <= self.degree)
+            allowed = ", ".join(str(kind) for kind in SECTIONS if degree_of(kind) <= self.degree)
             raise InputError(
                 f"sections: given {quoted(sections)}; allowed is up to {self.sections} ({allowed}), because "
                 "the throw was solved with these motions."
@@ -485,7 +485,9 @@ class LoadedSurface:
     def nodal(self, tractions: list[Array]) -> Array:
         """Nodal loads (images, s, 3) of tractions (q, 3) on each image; (..., c) of (..., c)."""
         sizes, spread = np.linalg.norm(self.areas, axis=1), self.shares.T.tocsr()
-        loads = [spread @ (sizes[:, None] * one.reshape(len(sizes), -1)) for one in tractions]
+        loads = [
+            spread @ (sizes[:, None] * traction.reshape(len(sizes), -1)) for traction in tractions
+        ]
         return np.array(loads).reshape(len(loads), len(self.nodes), *tractions[0].shape[1:])
 
     def unit_loads(self) -> "NodalLoads":

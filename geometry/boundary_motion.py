@@ -119,7 +119,14 @@ def boundary_motion(
     surfaces = bounding_surfaces(throw.parts, mesh.part)
     levels = [surface.level for surface in surfaces.values()]
     numbers, nodes = _conditions(surfaces, mesh)
-    normals = _normals(levels, numbers, mesh.points[nodes], mesh.length * STEP)
+    points = mesh.points[nodes]
+    gradients = np.column_stack(
+        [
+            _values(levels, numbers, points + shift) - _values(levels, numbers, points - shift)
+            for shift in mesh.length * STEP * np.eye(3)
+        ]
+    )
+    normals = np.asarray(gradients / np.linalg.norm(gradients, axis=1)[:, None])
     speeds, beside, left_out = {}, {}, {}
     for path, value in lengths_of(throw).items():
         if paths is not None and path not in paths:
@@ -142,8 +149,7 @@ def boundary_motion(
             left_out[path] = "the throw's surfaces are others on both sides of it"
             continue
         less, more = (
-            _values([surface.level for surface in end.values()], numbers, mesh.points[nodes])
-            for end in ends
+            _values([surface.level for surface in end.values()], numbers, points) for end in ends
         )
         speeds[path] = -(more - less) / (2.0 * STEP * value)
         beside[path] = (low, high)
@@ -193,16 +199,6 @@ def _values(levels: list[Level], numbers: Integers, points: Array) -> Array:
     return np.concatenate([levels[number](there) for number, there in parts])
 
 
-def _normals(levels: list[Level], numbers: Integers, points: Array, step: float) -> Array:
-    """Unit normals of the levels, by central differences."""
-    columns = [
-        _values(levels, numbers, points + shift) - _values(levels, numbers, points - shift)
-        for shift in step * np.eye(3)
-    ]
-    gradients = np.column_stack(columns)
-    return np.asarray(gradients / np.linalg.norm(gradients, axis=1)[:, None])
-
-
 def bounding_surfaces(parts: ThrowParts, part: str) -> dict[str, Surface]:
     """Return all surfaces that bound a throw, and the lines where such touch, by names of their own.
 
@@ -245,11 +241,13 @@ def _cylinder_surfaces(cylinder: Cylinder) -> dict[str, Surface]:
         ("end", cylinder.end_fillet, cylinder.end, cylinder.end - cylinder.end_fillet),
     ):
         if fillet:
-            own = f"{end} fillet of {name}"
+            fillet_name = f"{end} fillet of {name}"
             reaches = _between(min(web, z), max(web, z))
-            surfaces[own] = Surface(_torus(axis, radius, fillet, z), reaches)
-            surfaces[f"journal's end of {own}"] = Surface(_plane(z), within=own)
-            surfaces[f"web's end of {own}"] = Surface(_round(axis, radius + fillet), within=own)
+            surfaces[fillet_name] = Surface(_torus(axis, radius, fillet, z), reaches)
+            surfaces[f"journal's end of {fillet_name}"] = Surface(_plane(z), within=fillet_name)
+            surfaces[f"web's end of {fillet_name}"] = Surface(
+                _round(axis, radius + fillet), within=fillet_name
+            )
     return surfaces
 
 

@@ -97,8 +97,8 @@ def load_gmsh() -> Any:
 
 def missing_library_advice(package: str, loader_message: str) -> str:
     """Turn the loader's error about a shared library into installation advice."""
-    found = re.search(r"lib[\w+-]+\.so[.\d]*", loader_message)
-    library = found.group(0) if found else "a system library"
+    file_name = re.search(r"lib[\w+-]+\.so[.\d]*", loader_message)
+    library = file_name.group(0) if file_name else "a system library"
     debian = DEBIAN_PACKAGES.get(library)
     if debian is None:
         return (
@@ -120,7 +120,11 @@ def gmsh_session(name: str) -> Iterator[Any]:
     gmsh = load_gmsh()
     mine = not gmsh.isInitialized()
     if mine:
-        _initialize(gmsh)
+        # In any thread: give back to a broken pipe what gmsh takes from it.
+        of_pipe = None if SIGPIPE is None else _signal("getsig", ctypes.c_int)(SIGPIPE)
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        if SIGPIPE is not None:
+            _signal("setsig", ctypes.c_int, ctypes.c_void_p)(SIGPIPE, of_pipe)
     before = {option: gmsh.option.getNumber(option) for option in OPTIONS}
     current = None if mine else gmsh.model.getCurrent()
     views = set(gmsh.view.getTags())
@@ -139,14 +143,6 @@ def gmsh_session(name: str) -> Iterator[Any]:
             gmsh.model.setCurrent(current)
             for view in set(gmsh.view.getTags()) - views:  # these do not go with their model
                 gmsh.view.remove(view)
-
-
-def _initialize(gmsh: Any) -> None:
-    """Start gmsh, and give back to a broken pipe what gmsh takes from it; in any thread."""
-    of_pipe = None if SIGPIPE is None else _signal("getsig", ctypes.c_int)(SIGPIPE)
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    if SIGPIPE is not None:
-        _signal("setsig", ctypes.c_int, ctypes.c_void_p)(SIGPIPE, of_pipe)
 
 
 def _signal(name: str, *arguments: Any) -> Any:

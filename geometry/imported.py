@@ -201,7 +201,40 @@ class ImportedThrow:
         )
 
         def mesh_by(rung: MeshingStrategy, failed: tuple[str, ...]) -> ThrowMesh:
-            return _mesh_once(self, size_factor, sizes, rung, failed)
+            factor = size_factor * rung.share
+            surfaces = {name: list(tags) for name, tags in self.surfaces}
+            opened = time.perf_counter()
+            with opened_part(self.path) as (gmsh, tag):
+                for option, value in rung.options:
+                    gmsh.option.setNumber(option, value)
+                with gmsh_errors("mesh the throw"):
+                    occ = gmsh.model.occ
+                    occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, self.turned)
+                    occ.translate([(3, tag)], 0.0, 0.0, self.shifted)
+                    occ.synchronize()
+                    solid = solid_properties(gmsh)
+                    seconds = time.perf_counter() - opened
+                    if sizes is None:
+                        _set_sizes(gmsh, self, factor)
+                    else:
+                        set_size_map(gmsh, sizes, factor)
+                mesh = checked_mesh(
+                    gmsh,
+                    surfaces,
+                    solid,
+                    part="full",
+                    length=self.length,
+                    pins=tuple(pin.name for pin in self.pins),
+                    size_factor=factor,
+                    attempts=failed,
+                    geometry_seconds=seconds,
+                )
+            # The surfaces' numbers must mean what they did when the part was read.
+            for end, place in ((LEFT_END, 0.0), (RIGHT_END, mesh.length)):
+                off = np.abs(mesh.points[mesh.surfaces[end], 2] - place)
+                if off.size == 0 or off.max() > 10.0 * PLACE_TOLERANCE * mesh.length:
+                    raise MeshError(f"the surface {end!r} of the file is not where it was.")
+            return mesh
 
         return try_strategies(mesh_by, attempts, on_remark)
 
@@ -281,7 +314,10 @@ def import_throw(
     if isinstance(pins, str):
         pins = (pins,)
     if pins is not None and tuple(pins) == (PIN,):
-        pins = _all_pins(step.faces)
+        # The names "pin", "pin 2", "pin 3" ... as far as present.
+        names = {_plain(face.name) for face in step.faces}
+        further = (f"{PIN} {number}" for number in count(2))
+        pins = (PIN, *takewhile(lambda name: name in names, further))
     if not step.faces:
         wanted = RequestedFaces(None, None, None)
     else:
@@ -302,13 +338,6 @@ def import_throw(
     except ProcessLostError as error:
         raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
     return imported
-
-
-def _all_pins(faces: tuple[StepFace, ...]) -> tuple[str, ...]:
-    """The names "pin", "pin 2", "pin 3" ... as far as present."""
-    names = {_plain(face.name) for face in faces}
-    further = (f"{PIN} {number}" for number in count(2))
-    return (PIN, *takewhile(lambda name: name in names, further))
 
 
 def file_content(path: Path) -> bytes:
@@ -433,45 +462,6 @@ def _scaled(plan: SizePlan, factor: float) -> SizePlan:
     return SizePlan(factor * plan.bulk, zones)
 
 
-def _mesh_once(
-    throw: ImportedThrow,
-    size_factor: float,
-    sizes: SizeMap | None,
-    rung: MeshingStrategy,
-    attempts: tuple[str, ...],
-) -> ThrowMesh:
-    factor = size_factor * rung.share
-    surfaces = {name: list(tags) for name, tags in throw.surfaces}
-    opened = time.perf_counter()
-    with opened_part(throw.path) as (gmsh, tag):
-        for option, value in rung.options:
-            gmsh.option.setNumber(option, value)
-        with gmsh_errors("mesh the throw"):
-            occ = gmsh.model.occ
-            occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, throw.turned)
-            occ.translate([(3, tag)], 0.0, 0.0, throw.shifted)
-            occ.synchronize()
-            solid = solid_properties(gmsh)
-            seconds = time.perf_counter() - opened
-            if sizes is None:
-                _set_sizes(gmsh, throw, factor)
-            else:
-                set_size_map(gmsh, sizes, factor)
-        mesh = checked_mesh(
-            gmsh,
-            surfaces,
-            solid,
-            part="full",
-            length=throw.length,
-            pins=tuple(pin.name for pin in throw.pins),
-            size_factor=factor,
-            attempts=attempts,
-            geometry_seconds=seconds,
-        )
-    _check_ends(mesh)
-    return mesh
-
-
 def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
     """Sizes at fillets and corners by a field, elsewhere by curvature."""
     plan = _scaled(throw.plan, factor)
@@ -482,11 +472,3 @@ def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
     if not plan.zones:
         return
     set_face_sizes(gmsh, throw.holes, dict(throw.fillets), dict(throw.corners), plan)
-
-
-def _check_ends(mesh: ThrowMesh) -> None:
-    """The surfaces' numbers must mean what they did when the part was read."""
-    for name, place in ((LEFT_END, 0.0), (RIGHT_END, mesh.length)):
-        off = np.abs(mesh.points[mesh.surfaces[name], 2] - place)
-        if off.size == 0 or off.max() > 10.0 * PLACE_TOLERANCE * mesh.length:
-            raise MeshError(f"the surface {name!r} of the file is not where it was.")

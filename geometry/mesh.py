@@ -443,7 +443,24 @@ def mesh_throw(
     )
 
     def mesh_by(rung: MeshingStrategy, failed: tuple[str, ...]) -> ThrowMesh:
-        return _mesh_once(parts, size_factor, part, sizes, rung, failed)
+        factor = size_factor * rung.share
+        with gmsh_errors("mesh the throw"), built_solid(parts, part, rung.options) as built:
+            if sizes is None:
+                set_sizes(built.gmsh, built.parts, size_plan(built.parts, factor), built.last)
+            else:
+                set_size_map(built.gmsh, sizes, factor, built.parts, built.unit)
+            return checked_mesh(
+                built.gmsh,
+                built.surfaces,
+                built.solid,
+                built.unit,
+                part=part,
+                length=parts.length,
+                pins=tuple(pin.name for pin in parts.pins),
+                size_factor=factor,
+                attempts=failed,
+                geometry_seconds=built.seconds,
+            )
 
     return try_strategies(mesh_by, attempts, on_remark)
 
@@ -494,34 +511,6 @@ def checked_part(throw: CrankThrow, part: str) -> str:
             f"part: given {part!r}; allowed is {smallest!r} or more, because this throw has no such symmetry."
         )
     return part
-
-
-def _mesh_once(
-    parts: ThrowParts,
-    size_factor: float,
-    part: str,
-    sizes: SizeMap | None,
-    rung: MeshingStrategy,
-    attempts: tuple[str, ...],
-) -> ThrowMesh:
-    factor = size_factor * rung.share
-    with gmsh_errors("mesh the throw"), built_solid(parts, part, rung.options) as built:
-        if sizes is None:
-            set_sizes(built.gmsh, built.parts, size_plan(built.parts, factor), built.last)
-        else:
-            set_size_map(built.gmsh, sizes, factor, built.parts, built.unit)
-        return checked_mesh(
-            built.gmsh,
-            built.surfaces,
-            built.solid,
-            built.unit,
-            part=part,
-            length=parts.length,
-            pins=tuple(pin.name for pin in parts.pins),
-            size_factor=factor,
-            attempts=attempts,
-            geometry_seconds=built.seconds,
-        )
 
 
 def checked_mesh(

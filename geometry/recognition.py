@@ -115,15 +115,15 @@ def rounds_along(faces: list[Face], tolerance: float) -> list[Round]:
                 break
         else:
             groups.append([face])
-    return [_round(group) for group in groups]
-
-
-def _round(group: list[Face]) -> Round:
-    low, high = min(face.low for face in group), max(face.high for face in group)
-    # Of faces side by side along the shaft, each counts by its length.
-    turn = sum(face.turn * (face.high - face.low) for face in group) / (high - low)
-    x, y = (float(value) for value in group[0].point[:2])
-    return Round((x, y), group[0].radius, low, high, turn, tuple(face.tag for face in group))
+    rounds = []
+    for group in groups:
+        low, high = min(face.low for face in group), max(face.high for face in group)
+        # Of faces side by side along the shaft, each counts by its length.
+        turn = sum(face.turn * (face.high - face.low) for face in group) / (high - low)
+        x, y = (float(value) for value in group[0].point[:2])
+        tags = tuple(face.tag for face in group)
+        rounds.append(Round((x, y), group[0].radius, low, high, turn, tags))
+    return rounds
 
 
 def curvature_radius(gmsh: Any, tag: int) -> float:
@@ -236,16 +236,13 @@ def recognize(path: str, digest: str, wanted: RequestedFaces) -> ImportedThrow:
     with opened_part(path) as (gmsh, solid):
         gmsh.model.occ.synchronize()
         box = gmsh.model.getBoundingBox(3, solid)
-        _check_length(path, box[5] - box[2])
+        length = box[5] - box[2]
+        if not SHORTEST <= length <= LONGEST:
+            raise InputError(
+                f"{path}: given a part {length:.3g} m long; allowed is {SHORTEST:g} m to {LONGEST:g} m, so "
+                "the file's unit of length is probably wrong."
+            )
         return _Recognition(gmsh, solid, wanted, box).throw(path, digest)
-
-
-def _check_length(path: str, length: float) -> None:
-    if not SHORTEST <= length <= LONGEST:
-        raise InputError(
-            f"{path}: given a part {length:.3g} m long; allowed is {SHORTEST:g} m to {LONGEST:g} m, so the "
-            "file's unit of length is probably wrong."
-        )
 
 
 class _Recognition:

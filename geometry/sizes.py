@@ -16,7 +16,6 @@ from geometry.parts import (
     Cylinder,
     Drilling,
     ThrowParts,
-    WebPlate,
     distance_from_exits,
     distance_from_wall,
     throw_volume,
@@ -107,8 +106,14 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
     bulk = factor * min(thinnest, *(pin.radius for pin in parts.pins))
     zones: list[SizeZone] = []
     for number, cylinder in enumerate(parts.cylinders):
-        for end, fillet, web in _ends(parts, number):
-            size = factor * root_size(fillet, _thickness(parts, web))
+        ends = []
+        if number > 0:
+            ends.append(("start", cylinder.start_fillet, parts.webs[number - 1]))
+        if number < len(parts.cylinders) - 1:
+            ends.append(("end", cylinder.end_fillet, parts.webs[number]))
+        for end, fillet, web in ends:
+            thickness = web.end - web.start if web.end > web.start else thinnest
+            size = factor * root_size(fillet, thickness)
             zones.append(root_zone((number, end), cylinder.radius, fillet, min(bulk, size)))
         if cylinder.bore_radius > 0.0:
             apart = math.dist(cylinder.axis, cylinder.bore_axis)
@@ -177,24 +182,6 @@ def drilling_zones(
     return zones
 
 
-def _ends(parts: ThrowParts, number: int) -> list[tuple[str, float, WebPlate]]:
-    """The ends of a cylinder that stand on webs, with fillet and web."""
-    cylinder = parts.cylinders[number]
-    ends = []
-    if number > 0:
-        ends.append(("start", cylinder.start_fillet, parts.webs[number - 1]))
-    if number < len(parts.cylinders) - 1:
-        ends.append(("end", cylinder.end_fillet, parts.webs[number]))
-    return ends
-
-
-def _thickness(parts: ThrowParts, web: WebPlate) -> float:
-    """Thickness of a web; where a split pin has none, of the thinnest of the others [m]."""
-    if web.end > web.start:
-        return web.end - web.start
-    return min(other.end - other.start for other in parts.webs if other.end > other.start)
-
-
 def predict_unknowns(parts: ThrowParts, factor: float, part: str) -> int:
     """Predict the number of displacement unknowns before meshing.
 
@@ -238,12 +225,7 @@ def node_counts(parts: ThrowParts, factor: float) -> Array:
         near += float(np.sum(layers))
     volume = throw_volume(parts)
     counts[3] = max(volume - near, 0.0) / plan.bulk**3
-    counts[4] = _outside(parts) / plan.bulk**2
-    return counts
-
-
-def _outside(parts: ThrowParts) -> float:
-    """Rough area of the surface [m^2]."""
+    # Rough area of the surface.
     area = sum(2.0 * math.pi * c.radius * (c.end - c.start) for c in parts.cylinders)
     for web in parts.webs:
         polygon = web.outline.polygon(12)
@@ -252,7 +234,8 @@ def _outside(parts: ThrowParts) -> float:
         area += 2.0 * width * height + 2.0 * (width + height) * (web.end - web.start)
         if web.sector is not None:
             area += 2.0 * web.sector.half_angle * web.sector.outer_radius**2
-    return area
+    counts[4] = area / plan.bulk**2
+    return counts
 
 
 @dataclass(frozen=True)
@@ -365,12 +348,12 @@ def set_face_sizes(
             hole = holes[zone.zone[0]]
             fields.append(_beside_cylinder(gmsh, *_surface(hole, BORE), zone.size, plan.bulk))
             continue
-        key, tags = ("CurvesList", corners) if zone.sharp else ("SurfacesList", fillets)
-        if zone.zone in tags:
-            groups.setdefault((key, zone.size), []).extend(tags[zone.zone])
-    for (key, size), found in groups.items():
+        key, tagged = ("CurvesList", corners) if zone.sharp else ("SurfacesList", fillets)
+        if zone.zone in tagged:
+            groups.setdefault((key, zone.size), []).extend(tagged[zone.zone])
+    for (key, size), grouped_tags in groups.items():
         distance = gmsh.model.mesh.field.add("Distance")
-        gmsh.model.mesh.field.setNumbers(distance, key, found)
+        gmsh.model.mesh.field.setNumbers(distance, key, grouped_tags)
         gmsh.model.mesh.field.setNumber(distance, "Sampling", 40)
         fields.append(_growing(gmsh, distance, size, plan.bulk))
     _set_least(gmsh, fields)

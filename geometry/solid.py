@@ -23,7 +23,6 @@ from geometry.parts import (
     Drilling,
     Line,
     Sector,
-    Slope,
     ThrowParts,
     WebPlate,
     scaled_parts,
@@ -71,18 +70,23 @@ def drilled_journal(
     MeshError
         If the kernel does not find an exit, or cannot round it.
     """
-    holes = [
-        hole
-        for hole in drillings
-        if hole.journal == journal.name and _lowest(hole) < limit and (whole or _beside(hole))
-    ]
+    holes = []
+    for hole in drillings:
+        lowest = min(hole.place, *(float(outlet.point[2]) for outlet in hole.exits)) - hole.radius
+        reach = max(float(outlet.point[0]) for outlet in hole.exits) + hole.radius
+        if hole.journal == journal.name and lowest < limit and (whole or reach > hole.axis[0]):
+            holes.append(hole)
 
     def make(cylinder: Cylinder, drilled: Sequence[Drilling]) -> Entity:
         solid = revolve(gmsh, cylinder, whole)
         if whole:
-            gmsh.model.occ.rotate(
-                [solid], *cylinder.axis, 0.0, 0.0, 0.0, 1.0, _clear_angle(drilled)
-            )
+            # The surface's seam goes to the middle of the widest gap between exits.
+            exits = [outlet.angle_deg for hole in drilled for outlet in hole.exits]
+            angles = np.sort(np.radians(exits))
+            gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
+            widest = int(np.argmax(gaps))
+            clear = float(angles[widest] + 0.5 * gaps[widest])
+            gmsh.model.occ.rotate([solid], *cylinder.axis, 0.0, 0.0, 0.0, 1.0, clear)
         return _drilled(gmsh, cylinder, drilled, solid)
 
     if not holes:
@@ -115,7 +119,12 @@ def _drilled(gmsh: Any, journal: Cylinder, holes: Sequence[Drilling], solid: Ent
     solid = _only_volume(made)
     radii: dict[int, float] = {}
     occ.synchronize()
-    points = {curve: _points_on(gmsh, curve) for _, curve in gmsh.model.getEntities(1)}
+    points = {}
+    for _, curve in gmsh.model.getEntities(1):
+        low, high = gmsh.model.getParametrizationBounds(1, curve)
+        along = np.linspace(low[0], high[0], SAMPLES)
+        sampled = np.asarray(gmsh.model.getValue(1, curve, along.tolist()), float)
+        points[curve] = sampled.reshape(-1, 3)
     for hole in holes:
         if hole.exit_radius > 0.0:
             edges = [curve for curve, on in points.items() if _is_edge(hole, on)]
@@ -125,14 +134,6 @@ def _drilled(gmsh: Any, journal: Cylinder, holes: Sequence[Drilling], solid: Ent
     if radii:
         solid = _only_volume(occ.fillet([solid[1]], list(radii), list(radii.values())))
     return solid
-
-
-def _clear_angle(holes: Sequence[Drilling]) -> float:
-    """Angle from +y about +z in the middle of the widest gap between exits, for the surface's seam [rad]."""
-    angles = np.sort(np.radians([outlet.angle_deg for hole in holes for outlet in hole.exits]))
-    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
-    widest = int(np.argmax(gaps))
-    return float(angles[widest] + 0.5 * gaps[widest])
 
 
 def on_drilling(gmsh: Any, parts: ThrowParts, kind: str, tag: int, point: ArrayLike) -> bool:
@@ -160,17 +161,6 @@ def on_drilling(gmsh: Any, parts: ThrowParts, kind: str, tag: int, point: ArrayL
     return False
 
 
-def _lowest(hole: Drilling) -> float:
-    """Where along z it begins [m]."""
-    ends = [float(outlet.point[2]) for outlet in hole.exits] + [hole.place]
-    return min(ends) - hole.radius
-
-
-def _beside(hole: Drilling) -> bool:
-    """Whether it reaches the half x >= 0."""
-    return max(float(outlet.point[0]) for outlet in hole.exits) + hole.radius > hole.axis[0]
-
-
 def _tool(occ: Any, journal: Cylinder, hole: Drilling) -> Entity:
     """The volume cut by the drill, and a little space around the journal."""
     reach = 2.0 * hole.journal_radius / np.cos(hole.tilt)
@@ -182,12 +172,6 @@ def _tool(occ: Any, journal: Cylinder, hole: Drilling) -> Entity:
     around = (3, occ.addCylinder(*hole.axis, start, 0.0, 0.0, 3.0 * length, radius))
     made, _ = occ.intersect([drill], [around])
     return _only_volume(made)
-
-
-def _points_on(gmsh: Any, curve: int) -> NDArray[np.float64]:
-    low, high = gmsh.model.getParametrizationBounds(1, curve)
-    where = np.linspace(low[0], high[0], SAMPLES)
-    return np.asarray(gmsh.model.getValue(1, curve, where.tolist()), float).reshape(-1, 3)
 
 
 def _places(
@@ -244,7 +228,34 @@ def build_solid(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]
     """
     make_solid(gmsh, parts, part)
     remove_loose(gmsh)
-    return _name(gmsh, parts, part)
+    tolerance = position_tolerance(parts)
+    names = [LEFT_END, *([RIGHT_END] if part != "quarter" else [])]
+    names += [CRANK_PLANE] if part != "full" else []
+    names += [MIDDLE_PLANE] if part == "quarter" else []
+    names += [*(pin.name for pin in parts.pins), MAIN_JOURNAL, FILLET, WEB]
+    surfaces: dict[str, list[int]] = {name: [] for name in names}
+    last = part_end(parts, part)
+    for _, tag in gmsh.model.getEntities(2):
+        kind = gmsh.model.getType(2, tag)
+        point = middle_point(gmsh, 2, tag)
+        if kind == "Plane":
+            _, _, z_low, x_high, _, z_high = gmsh.model.getBoundingBox(2, tag)
+            if z_high < tolerance:
+                name = LEFT_END
+            elif z_low > last - tolerance:
+                name = MIDDLE_PLANE if part == "quarter" else RIGHT_END
+            elif part != "full" and x_high < tolerance:
+                name = CRANK_PLANE
+            elif on_drilling(gmsh, parts, kind, tag, point):
+                name = OIL_HOLE
+            else:
+                name = _web_or_counterweight(parts, point)
+        elif on_drilling(gmsh, parts, kind, tag, point):
+            name = OIL_HOLE
+        else:
+            name = _round_surface(parts, kind, point, tolerance)
+        surfaces.setdefault(name, []).append(tag)
+    return surfaces
 
 
 def part_end(parts: ThrowParts, part: str) -> float:
@@ -272,32 +283,41 @@ def make_solid(gmsh: Any, parts: ThrowParts, part: str) -> Entity:
     occ = gmsh.model.occ
     whole = part == "full"
     limit = part_end(parts, part)
-    cylinders = [_cut(cylinder, limit) for cylinder in parts.cylinders if cylinder.start < limit]
-    webs = [_cut_web(web, limit) for web in parts.webs if web.start < min(limit, web.end)]
+    cylinders = [
+        cylinder
+        if cylinder.end <= limit
+        # The bore's tool passes the cut, so that the two do not share a face.
+        else replace(cylinder, end=limit, end_fillet=0.0, bore_end=cylinder.end)
+        for cylinder in parts.cylinders
+        if cylinder.start < limit
+    ]
+    webs = [
+        replace(web, end=min(web.end, limit))
+        for web in parts.webs
+        if web.start < min(limit, web.end)
+    ]
     pieces = [
-        drilled_journal(gmsh, one, parts.drillings, limit, _revolved, whole) for one in cylinders
+        drilled_journal(gmsh, cylinder, parts.drillings, limit, _revolved, whole)
+        for cylinder in cylinders
     ]
     for web in webs:
         pieces.append(_plate(gmsh, web, whole))
         if web.sector is not None:
             pieces.append(_sector(gmsh, web, web.sector, whole))
     solid, _ = occ.fuse(pieces[:1], pieces[1:])
-    tools = [_bore(occ, cylinder, parts.length) for cylinder in cylinders if cylinder.bore_radius]
+    tools = []
+    margin = 0.1 * parts.length  # a bore's tool stands out at the throw's ends
+    for cylinder in cylinders:
+        if cylinder.bore_radius:
+            start, end = cylinder.bore_start, cylinder.bore_end
+            start -= margin if start == 0.0 else 0.0
+            end += margin if end == parts.length else 0.0
+            way = (0.0, 0.0, end - start)
+            tag = occ.addCylinder(*cylinder.bore_axis, start, *way, cylinder.bore_radius)
+            tools.append((3, int(tag)))
     if tools:
         solid, _ = occ.cut(solid, tools)
     return _only_volume(solid)
-
-
-def _cut(cylinder: Cylinder, limit: float) -> Cylinder:
-    """Part of a cylinder before a cut at z = limit."""
-    if cylinder.end <= limit:
-        return cylinder
-    # The bore's tool passes the cut, so that the two do not share a face.
-    return replace(cylinder, end=limit, end_fillet=0.0, bore_end=cylinder.end)
-
-
-def _cut_web(web: WebPlate, limit: float) -> WebPlate:
-    return web if web.end <= limit else replace(web, end=limit)
 
 
 def _revolved(gmsh: Any, cylinder: Cylinder, whole: bool) -> Entity:
@@ -399,27 +419,25 @@ def _plate(gmsh: Any, web: WebPlate, whole: bool) -> Entity:
     face = _outline_face(gmsh, frame, web.outline.pieces, web.start, whole)
     plate = _only_volume(occ.extrude([(2, face)], 0.0, 0.0, web.end - web.start))
     for slope in web.slopes:
-        made, _ = occ.cut([plate], [_wedge(occ, frame, web, slope)])
+        # The tool stands out of the web everywhere but at the slope.
+        reach = web.outline.tip - web.outline.foot
+        end = slope.end + slope.towards * 0.1 * reach
+        depth = slope.drop * (end - slope.start) / (slope.end - slope.start)
+        outside = slope.face - slope.inward * (web.end - web.start)
+        corners = [
+            (slope.start, slope.face),
+            (end, slope.face + slope.inward * depth),
+            (end, outside),
+            (slope.start, outside),
+        ]
+        points = [frame.point(-2.0 * reach, v, z) for v, z in corners]
+        lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+        side = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+        made, _ = occ.cut(
+            [plate], [_only_volume(occ.extrude([(2, side)], *frame.across(4.0 * reach)))]
+        )
         plate = _only_volume(made)
     return plate
-
-
-def _wedge(occ: Any, frame: _Frame, web: WebPlate, slope: Slope) -> Entity:
-    """Build the tool that takes a slope off a web; it stands out of the web everywhere else."""
-    reach = web.outline.tip - web.outline.foot
-    end = slope.end + slope.towards * 0.1 * reach
-    depth = slope.drop * (end - slope.start) / (slope.end - slope.start)
-    outside = slope.face - slope.inward * (web.end - web.start)
-    corners = [
-        (slope.start, slope.face),
-        (end, slope.face + slope.inward * depth),
-        (end, outside),
-        (slope.start, outside),
-    ]
-    points = [frame.point(-2.0 * reach, v, z) for v, z in corners]
-    lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
-    face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-    return _only_volume(occ.extrude([(2, face)], *frame.across(4.0 * reach)))
 
 
 def _sector(gmsh: Any, web: WebPlate, sector: Sector, whole: bool) -> Entity:
@@ -450,16 +468,6 @@ def _sector(gmsh: Any, web: WebPlate, sector: Sector, whole: bool) -> Entity:
     return _only_volume(occ.extrude([(2, face)], 0.0, 0.0, sector.end - sector.start))
 
 
-def _bore(occ: Any, cylinder: Cylinder, length: float) -> Entity:
-    """Build the tool of a bore; at the throw's ends it stands out."""
-    start, end = cylinder.bore_start, cylinder.bore_end
-    margin = 0.1 * length
-    start -= margin if start == 0.0 else 0.0
-    end += margin if end == length else 0.0
-    x, y = cylinder.bore_axis
-    return (3, int(occ.addCylinder(x, y, start, 0.0, 0.0, end - start, cylinder.bore_radius)))
-
-
 def _only_volume(entities: Sequence[Entity]) -> Entity:
     return next(entity for entity in entities if entity[0] == 3)
 
@@ -469,38 +477,6 @@ def position_tolerance(parts: ThrowParts) -> float:
     lengths = [c.end - c.start for c in parts.cylinders]
     lengths += [web.end - web.start for web in parts.webs if web.end > web.start]
     return 1e-3 * min(lengths)
-
-
-def _name(gmsh: Any, parts: ThrowParts, part: str) -> dict[str, list[int]]:
-    """Classify the surfaces by their kind and position."""
-    tolerance = position_tolerance(parts)
-    names = [LEFT_END, *([RIGHT_END] if part != "quarter" else [])]
-    names += [CRANK_PLANE] if part != "full" else []
-    names += [MIDDLE_PLANE] if part == "quarter" else []
-    names += [*(pin.name for pin in parts.pins), MAIN_JOURNAL, FILLET, WEB]
-    surfaces: dict[str, list[int]] = {name: [] for name in names}
-    last = part_end(parts, part)
-    for _, tag in gmsh.model.getEntities(2):
-        kind = gmsh.model.getType(2, tag)
-        point = middle_point(gmsh, 2, tag)
-        if kind == "Plane":
-            _, _, z_low, x_high, _, z_high = gmsh.model.getBoundingBox(2, tag)
-            if z_high < tolerance:
-                name = LEFT_END
-            elif z_low > last - tolerance:
-                name = MIDDLE_PLANE if part == "quarter" else RIGHT_END
-            elif part != "full" and x_high < tolerance:
-                name = CRANK_PLANE
-            elif on_drilling(gmsh, parts, kind, tag, point):
-                name = OIL_HOLE
-            else:
-                name = _web_or_counterweight(parts, point)
-        elif on_drilling(gmsh, parts, kind, tag, point):
-            name = OIL_HOLE
-        else:
-            name = _round_surface(parts, kind, point, tolerance)
-        surfaces.setdefault(name, []).append(tag)
-    return surfaces
 
 
 def _round_surface(parts: ThrowParts, kind: str, point: Any, tolerance: float) -> str:

@@ -100,11 +100,9 @@ def step_text(solid: CrankThrow | Crankshaft, part: str) -> str:
         text = file.read_text(encoding="ascii")
     # gmsh writes the numbers as they are, in m, and says that they are mm.
     text = text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")
-    return _with_names(text, solid.parts) if isinstance(solid, CrankThrow) else text
-
-
-def _with_names(text: str, parts: ThrowParts) -> str:
-    """Name the end and pin faces, by which `import_throw` finds them; gmsh writes no names."""
+    if not isinstance(solid, CrankThrow):
+        return text
+    # Name the end and pin faces, by which `import_throw` finds them; gmsh writes no names.
     count = 0
 
     def numbered(_: re.Match[str]) -> str:
@@ -115,7 +113,7 @@ def _with_names(text: str, parts: ThrowParts) -> str:
     text = re.sub(r"ADVANCED_FACE\(\s*''", numbered, text)
     for face in read_step(text.encode("ascii"), "the exported solid").faces:
         # Ends and pins are told apart by far more than the kernel's round-off.
-        text = text.replace(f"'{face.name}'", f"'{_face_name(face, parts)}'", 1)
+        text = text.replace(f"'{face.name}'", f"'{_face_name(face, solid.parts)}'", 1)
     return text
 
 
@@ -179,7 +177,17 @@ def write_mesh(
     check_kind("path", path, str | os.PathLike, "the name of a file")
     path = Path(path)
     ending = check_ending(path)
-    _check_point_data(mesh, point_data or {}, ending)
+    for name, values in (point_data or {}).items():
+        if ending != ".vtu":
+            raise InputError(
+                f"point_data: given {name!r} for a file ending in {ending}; allowed is .vtu, because the "
+                "others hold the mesh alone."
+            )
+        if np.shape(values)[:1] != (len(mesh.points),):
+            raise InputError(
+                f"point_data[{name!r}]: given an array of shape {np.shape(values)}; allowed are "
+                f"{len(mesh.points)} rows, because the mesh has that many nodes."
+            )
     with write_errors(path), atomic_file(path, "mesh") as part:
         if ending == ".inp":
             lines = "".join(f"{line}\n" for line in (*_inp_head(mesh), *inp_lines(mesh)))
@@ -208,22 +216,6 @@ def check_ending(path: Path) -> str:
             f"{path.name}: given the ending {path.suffix!r}; allowed for a mesh are {LISTED_ENDINGS}."
         )
     return ending
-
-
-def _check_point_data(
-    mesh: ThrowMesh, point_data: dict[str, NDArray[np.float64]], ending: str
-) -> None:
-    for name, values in point_data.items():
-        if ending != ".vtu":
-            raise InputError(
-                f"point_data: given {name!r} for a file ending in {ending}; allowed is .vtu, because the "
-                "others hold the mesh alone."
-            )
-        if np.shape(values)[:1] != (len(mesh.points),):
-            raise InputError(
-                f"point_data[{name!r}]: given an array of shape {np.shape(values)}; allowed are "
-                f"{len(mesh.points)} rows, because the mesh has that many nodes."
-            )
 
 
 def _inp_head(mesh: ThrowMesh) -> Iterator[str]:

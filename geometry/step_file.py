@@ -106,7 +106,10 @@ def read_step(content: bytes, source: str) -> StepFile:
     InputError
         If it is not a STEP file, has no solid or no known unit, or its faces cannot be understood.
     """
-    text = _decoded(content)
+    try:
+        text = content.decode("utf-8")  # the newest edition
+    except UnicodeDecodeError:  # older files with bytes beyond ASCII, mostly
+        text = content.decode("latin-1")
     if not text.lstrip("\ufeff \t\r\n").startswith("ISO-10303-21"):
         raise InputError(
             f"{source}: given a file that does not begin with ISO-10303-21; allowed is a STEP file."
@@ -119,7 +122,15 @@ def read_step(content: bytes, source: str) -> StepFile:
         )
     try:
         unit = _file_unit(entities, source)
-        return StepFile(unit, tuple(_named_faces(entities, unit)))
+        faces = []
+        for number in entities.of_kind(*FACES):
+            name, bounds, surface_number, _ = next(iter(entities.read(number).values()))
+            name = str(name).strip()
+            if name.lower() not in NO_NAME:
+                kind, point, axis, radius = _surface(entities, surface_number, unit)
+                corners = tuple(dict.fromkeys(_corners(entities, bounds, unit)))
+                faces.append(StepFace(name, kind, point, axis, radius, corners))
+        return StepFile(unit, tuple(faces))
     except (LookupError, TypeError, ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
@@ -150,14 +161,6 @@ def decode_string(text: str) -> str:
         return "\\"
 
     return DIRECTIVE.sub(replacement, text.replace("''", "'"))
-
-
-def _decoded(content: bytes) -> str:
-    """The newest edition is in UTF-8; older files with bytes beyond ASCII mostly in Latin-1."""
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
 
 
 class _Entities:
@@ -284,17 +287,6 @@ def _meter_part(unit: dict[str, list[Any]]) -> float | None:
     """Size of an SI unit of length [m], None for other units."""
     prefix, name = unit.get("SI_UNIT", ("", ""))
     return PREFIXES.get(prefix) if name == ".METRE." else None
-
-
-def _named_faces(entities: _Entities, unit: float) -> Iterator[StepFace]:
-    for number in entities.of_kind(*FACES):
-        name, bounds, surface_number, _ = next(iter(entities.read(number).values()))
-        name = str(name).strip()
-        if name.lower() in NO_NAME:
-            continue
-        kind, point, axis, radius = _surface(entities, surface_number, unit)
-        corners = tuple(dict.fromkeys(_corners(entities, bounds, unit)))
-        yield StepFace(name, kind, point, axis, radius, corners)
 
 
 def _surface(entities: _Entities, number: int, unit: float) -> tuple[str, Point, Point, float]:

@@ -48,7 +48,11 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
         *(_given(pin.web_thickness) for pin in pins[1:]),
         web_dimension(throw, "right_web", "thickness")[1],
     ]
-    edges = _web_edges(throw, pins, thicknesses)
+    edges = []
+    z = throw.main_journal_length / 2.0
+    for thickness, pin in zip(thicknesses, [*pins, None], strict=True):
+        edges.append((z, z + thickness))
+        z += thickness + (0.0 if pin is None else _given(pin.length))
     cylinders = (
         _journal(throw, LEFT_JOURNAL, axes[0], 0.0, *edges[0]),
         *(
@@ -58,17 +62,14 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
         _journal(throw, RIGHT_JOURNAL, axes[-1], edges[-1][1] + throw.main_journal_length / 2.0,
                  *edges[-1][::-1]),
     )  # fmt: skip
-    webs = (
-        _end_web(throw, "left_web", *edges[0], axes[0], cylinders[:2], -1.0),
-        *(
-            _web_between(
-                _given(pin.web_width), number, edges[number - 1], *axes[number - 2 : number]
-            )
-            for number, pin in enumerate(pins[1:], start=2)
-        ),
-        _end_web(throw, "right_web", *edges[-1], axes[-1], cylinders[-2:], 1.0),
-    )
-    return ThrowParts(cylinders, webs, _drillings(throw, cylinders))
+    webs = [_end_web(throw, "left_web", *edges[0], axes[0], cylinders[:2], -1.0)]
+    for number, pin in enumerate(pins[1:], start=2):
+        width = _given(pin.web_width)
+        first, second = axes[number - 2 : number]
+        outline = obround(width, width / 2.0, width / 2.0, math.dist(first, second))
+        webs.append(WebPlate(f"web {number}", *edges[number - 1], first, second, outline))
+    webs.append(_end_web(throw, "right_web", *edges[-1], axes[-1], cylinders[-2:], 1.0))
+    return ThrowParts(cylinders, tuple(webs), _drillings(throw, cylinders))
 
 
 def pin_tables(throw: ThrowDimensions) -> list[FurtherPin]:
@@ -124,24 +125,13 @@ def _drillings(throw: ThrowDimensions, cylinders: Sequence[Cylinder]) -> tuple[D
     return tuple(drillings)
 
 
-def _web_edges(
-    throw: ThrowDimensions, pins: list[FurtherPin], thicknesses: list[float]
-) -> list[tuple[float, float]]:
-    """Where each web begins and ends along z [m]."""
-    edges = []
-    z = throw.main_journal_length / 2.0
-    for thickness, pin in zip(thicknesses, [*pins, None], strict=True):
-        edges.append((z, z + thickness))
-        z += thickness + (0.0 if pin is None else _given(pin.length))
-    return edges
-
-
 def _journal(
     throw: ThrowDimensions, name: str, pin: Point, end: float, face: float, far_face: float
 ) -> Cylinder:
     """A half of a main journal between its free end and its web's face; the bore ends at the far one."""
     fillet = _own_or_common(throw.main_journal_fillet_radius, throw.fillet_radius)
-    x, y = _direction(pin)
+    reach = math.hypot(*pin)
+    x, y = (pin[0] / reach, pin[1] / reach)
     offset = throw.main_journal_bore_offset
     left = end < face
     return Cylinder(
@@ -184,14 +174,6 @@ def _pin(
     )
 
 
-def _web_between(
-    width: float, number: int, edges: tuple[float, float], first: Point, second: Point
-) -> WebPlate:
-    """The obround web before pin `number`."""
-    outline = obround(width, width / 2.0, width / 2.0, math.dist(first, second))
-    return WebPlate(f"web {number}", *edges, first, second, outline)
-
-
 def _given(value: float | None) -> float:
     """A dimension of a pin of `pin_tables`, all of which are there."""
     assert value is not None
@@ -209,11 +191,6 @@ def _crank_axis(radius: float, angle: float) -> Point:
         x, y = ((0, 1), (-1, 0), (0, -1), (1, 0))[round(quarters) % 4]
         return (radius * x, radius * y)
     return (-radius * math.sin(angle), radius * math.cos(angle))
-
-
-def _direction(axis: Point) -> Point:
-    reach = math.hypot(*axis)
-    return (axis[0] / reach, axis[1] / reach)
 
 
 def _end_web(

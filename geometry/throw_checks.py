@@ -177,7 +177,7 @@ def _check_run_into_bore(hole: Drilling, journal: Cylinder) -> None:
 
 def _check_place(parts: ThrowParts, hole: Drilling, journal: Cylinder) -> None:
     """A hole's exit is on its journal between the fillets, and clear of the throw's ends."""
-    reached = [_along(hole, outlet.rim) for outlet in hole.exits]
+    reached = [np.asarray(hole.place + outlet.rim @ hole.frame[:, 2]) for outlet in hole.exits]
     if not hole.through:
         half = hole.radius * math.cos(hole.tilt)
         reached.append(np.array([hole.place - half, hole.place + half]))
@@ -210,11 +210,6 @@ def _check_place(parts: ThrowParts, hole: Drilling, journal: Cylinder) -> None:
     raise dimension_error(
         _field(hole, "position"), position, f"{in_mm(low)} to {in_mm(high)}", reason
     )
-
-
-def _along(hole: Drilling, places: Array) -> Array:
-    """Coordinates z of places p, q, t (n, 3) [m]."""
-    return np.asarray(hole.place + places @ hole.frame[:, 2])
 
 
 def _check_apart(first: Drilling, second: Drilling) -> None:

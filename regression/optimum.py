@@ -605,7 +605,7 @@ def find_optimum(
         if isinstance(error.__cause__, InputError):
             raise error.__cause__ from None
         raise
-    feasible = [n for n, one in enumerate(searched) if one.broken <= SPARE]
+    feasible = [n for n, attempt in enumerate(searched) if attempt.broken <= SPARE]
     if not feasible:
         nearest = min(range(len(searched)), key=lambda n: searched[n].broken)
         raise InputError(infeasible(problems[nearest], searched[nearest]))
@@ -615,7 +615,7 @@ def find_optimum(
         if margins
         else "the limits are kept by the equations' values, without margin for their errors"
     )
-    whole = replace(searched[best], evaluations=sum(one.evaluations for one in searched))
+    whole = replace(searched[best], evaluations=sum(attempt.evaluations for attempt in searched))
     return make_optimum(problems[best], whole, *([kept] if limits else []))
 
 
@@ -676,7 +676,7 @@ def _evaluate(problem: Problem, place: Array) -> tuple[float, float]:
 def polished(problem: Problem, start: Array) -> Array:
     """Move a design to its limits by sequential quadratic programming."""
     size = abs(float(problem.objective(start))) or 1.0
-    found = _optimize.minimize(
+    solution = _optimize.minimize(
         lambda place: float(problem.objective(place)) / size,
         start,
         method="SLSQP",
@@ -685,13 +685,13 @@ def polished(problem: Problem, start: Array) -> Array:
         constraints={"type": "ineq", "fun": lambda place: -problem.excess(place)},
         options={"ftol": 1e-13, "maxiter": 200},
     )
-    return np.asarray(np.clip(found.x, 0.0, 1.0))
+    return np.asarray(np.clip(solution.x, 0.0, 1.0))
 
 
 def nearest(problem: Problem, start: Array) -> Array:
     """Find the design whose largest violation is least."""
     worst = float(np.max(problem.excess(start)))
-    found = _optimize.minimize(
+    solution = _optimize.minimize(
         lambda extended: extended[-1],
         np.append(start, worst),
         method="SLSQP",
@@ -702,7 +702,7 @@ def nearest(problem: Problem, start: Array) -> Array:
         },
         options={"ftol": 1e-12, "maxiter": 200},
     )
-    return np.asarray(np.clip(found.x[:-1], 0.0, 1.0))
+    return np.asarray(np.clip(solution.x[:-1], 0.0, 1.0))
 
 
 def _checks(problem: Problem, points: Banded) -> tuple[LimitCheck, ...]:
@@ -714,7 +714,7 @@ def _checks(problem: Problem, points: Banded) -> tuple[LimitCheck, ...]:
     return tuple(checks)
 
 
-def make_optimum(problem: Problem, best: SearchResult, *found: str) -> Optimum:
+def make_optimum(problem: Problem, best: SearchResult, *findings: str) -> Optimum:
     """Describe the result of a search, with what was found out about it."""
     model, space = problem.model, problem.space
     factors = problem.factors(best.place)
@@ -731,7 +731,7 @@ def make_optimum(problem: Problem, best: SearchResult, *found: str) -> Optimum:
         at_ends=space.at_ends(best.place),
         lookups=problem.lookups(factors),
         throw=throw,
-        remarks=(*remarks, *found),
+        remarks=(*remarks, *findings),
         evaluations=best.evaluations,
     )
 

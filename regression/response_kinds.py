@@ -64,8 +64,9 @@ def response_scale(unit: str, dimensions: Mapping[str, Any], material: Material)
 
 def material_ratio(unit: str, material: Material, other: Material) -> float:
     """Response of a throw of one material divided by that of another with the same Poisson's ratio."""
-    one = {"pin_diameter": 1.0}
-    return float(response_scale(unit, one, material) / response_scale(unit, one, other))
+    dimensions = {"pin_diameter": 1.0}
+    scale, other_scale = (response_scale(unit, dimensions, each) for each in (material, other))
+    return float(scale / other_scale)
 
 
 Array = NDArray[np.float64]

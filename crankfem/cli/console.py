@@ -70,8 +70,8 @@ class Terminal(Console):
         """Print a paragraph, wrapped between words in a terminal, in one line where another program reads."""
         lines = wrapped(text, self.width)
         self.printed += len(lines)
-        one = not (self.is_terminal or "COLUMNS" in os.environ)
-        self.print(text if one else "\n".join(lines), soft_wrap=True, highlight=False)
+        whole = not (self.is_terminal or "COLUMNS" in os.environ)
+        self.print(text if whole else "\n".join(lines), soft_wrap=True, highlight=False)
 
 
 # Brackets and colons in units and names are text, neither markup nor pictures.
@@ -117,9 +117,9 @@ def print_note(text: str, quiet: bool = False) -> None:
         errors.paragraph(text)
 
 
-def print_table(table: Table, units: OutputUnits = SI) -> None:
+def print_table(table: Table) -> None:
     """Print a table and its note."""
-    print_parts([table], units)
+    print_parts([table])
 
 
 def print_parts(
@@ -139,7 +139,7 @@ def print_parts(
     blocks = [_lines(part, units) for part in shown]
     explained = legend("\n".join(line for lines in blocks for line, _ in lines))
     for number, (part, lines) in enumerate(zip(shown, blocks, strict=True)):
-        if number and not all(isinstance(one, str) for one in shown[number - 1 : number + 1]):
+        if number and not (isinstance(part, str) and isinstance(shown[number - 1], str)):
             output.paragraph("")
         if isinstance(part, str):
             output.paragraph(short_ways(part))
@@ -175,7 +175,9 @@ def _first_screen(
         left = ", ".join(f"{count} more {name}{'s' * (count > 1)}" for name, count in more)
         hint: list[Table | str] = [f"With --full: {left}."] if left else []
         shown = [*main, *hint, *answers]
-        excess = _height(shown, units) - room
+        # The lines of the parts, with those between them and that of the legend.
+        apart = sum(not all(isinstance(part, str) for part in pair) for pair in pairwise(shown))
+        excess = 1 + apart + sum(len(_lines(part, units)) for part in shown) - room
         if not main or excess <= 0:
             return shown
         leads = [part.lead if isinstance(part, Main) else part for part in main]
@@ -187,7 +189,11 @@ def _first_screen(
             kept = max(FEWEST_ROWS, _rows(longest) - 1 - excess // 4)
             main[main.index(longest)] = longest.heaviest(kept)
         else:
-            places = [place for place, part in enumerate(main) if not _is_warning(part)]
+            places = [
+                place
+                for place, part in enumerate(main)
+                if not (isinstance(part, str) and part.startswith("Warning"))
+            ]
             del main[places[-1] if places else -1]
 
 
@@ -199,20 +205,10 @@ def _rows(part: Table | str) -> int:
     return 0 if isinstance(part, str) else len(part.rows)
 
 
-def _height(parts: list[Table | str], units: OutputUnits) -> int:
-    """Count the lines of parts, with those between them and that of the legend."""
-    apart = sum(not all(isinstance(part, str) for part in pair) for pair in pairwise(parts))
-    return 1 + apart + sum(len(_lines(part, units)) for part in parts)
-
-
-def _is_warning(part: Table | str) -> bool:
-    return isinstance(part, str) and part.startswith("Warning")
-
-
-def print_notes(remarks: Iterable[str], units: OutputUnits = SI) -> None:
+def print_notes(remarks: Iterable[str]) -> None:
     """Print remarks, each as a note."""
     for remark in remarks:
-        print_line(units.text(f"Note: {remark}"))
+        print_line(f"Note: {remark}")
 
 
 @contextmanager

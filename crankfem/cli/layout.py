@@ -31,7 +31,7 @@ UNIT = re.compile(r"\[[^]]*\]")
 
 def short_ways(text: str) -> str:
     """Shorten the names of ways between two places alone, in a sentence."""
-    return WAY.sub(lambda found: short_places(found[0]), text)
+    return WAY.sub(lambda way: short_places(way[0]), text)
 
 
 def wrapped(text: str, width: int, hanging: bool = True) -> list[str]:
@@ -56,7 +56,7 @@ def short_places(text: str) -> str:
     ('brg 6-7, flywheel', 'cyl 6 - flywheel')
     """
     return PLACE.sub(
-        lambda found: f"{SHORT[found[1]]} {'-'.join(filter(None, found.groups()[1:]))}", text
+        lambda place: f"{SHORT[place[1]]} {'-'.join(filter(None, place.groups()[1:]))}", text
     )
 
 
@@ -94,15 +94,15 @@ def table_lines(table: Table, units: OutputUnits = SI, width: int = 80) -> list[
 
 def _aligned(column: Column, cells: list[str]) -> list[str]:
     """Return numbers without zeros at their ends, their decimals below each other."""
-    cells = [ZEROS.sub(lambda found: found[1].rstrip("."), cell) for cell in cells]
+    cells = [ZEROS.sub(lambda decimals: decimals[1].rstrip("."), cell) for cell in cells]
     if column.words:
         return cells
     numbers = [NUMBER.fullmatch(cell) for cell in cells]
     fractions = [len(number[1] or "") if number else 0 for number in numbers]
     most = max(fractions, default=0)
     return [
-        cell + " " * (most - own) if number else cell
-        for cell, own, number in zip(cells, fractions, numbers, strict=True)
+        cell + " " * (most - fraction) if number else cell
+        for cell, fraction, number in zip(cells, fractions, numbers, strict=True)
     ]
 
 
@@ -110,7 +110,7 @@ def _in_columns(
     columns: Sequence[Column], heads: list[str], rows: list[list[str]], width: int
 ) -> list[Line] | None:
     left = [place == 0 or column.words for place, column in enumerate(columns)]
-    heads = [UNIT.sub(lambda found: found[0].replace(" ", TIED), head) for head in heads]
+    heads = [UNIT.sub(lambda unit: unit[0].replace(" ", TIED), head) for head in heads]
     cells = [
         [row[place] if left[place] else row[place].replace(" ", TIED) for row in rows]
         for place in range(len(columns))
@@ -123,7 +123,7 @@ def _in_columns(
         return None
 
     def written(row: Sequence[str], bottom: bool = False) -> list[str]:
-        parts = [wrapped(cell, own, False) for cell, own in zip(row, widths, strict=True)]
+        parts = [wrapped(cell, room, False) for cell, room in zip(row, widths, strict=True)]
         most = max(map(len, parts))
         filled = [
             [""] * (most - len(part)) + part if bottom else part + [""] * (most - len(part))
@@ -131,8 +131,8 @@ def _in_columns(
         ]
         return [
             gap.join(
-                cell.ljust(own) if is_left else cell.rjust(own)
-                for cell, own, is_left in zip(line, widths, left, strict=True)
+                cell.ljust(room) if is_left else cell.rjust(room)
+                for cell, room, is_left in zip(line, widths, left, strict=True)
             )
             .rstrip()
             .replace(TIED, " ")
@@ -146,11 +146,12 @@ def _in_columns(
 
 def _widths(heads: list[str], cells: list[list[str]], room: int) -> list[int] | None:
     """Return widths of columns that take at most the room; None if their longest words take more."""
-    texts = [[head, *own] for head, own in zip(heads, cells, strict=True)]
+    columns = [[head, *column] for head, column in zip(heads, cells, strict=True)]
     least = [
-        max((len(word) for text in own for word in text.split(" ")), default=0) for own in texts
+        max((len(word) for text in column for word in text.split(" ")), default=0)
+        for column in columns
     ]
-    widths = [max(map(len, own)) for own in texts]
+    widths = [max(map(len, column)) for column in columns]
     if sum(least) > room:
         return None
     while sum(widths) > room:

@@ -477,8 +477,9 @@ def corner_texts(web: WebPlate) -> dict[str, Point]:
     arcs = [piece for piece in pieces if isinstance(piece, Arc)]
     texts: dict[str, Point] = {}
     for arc in arcs:
-        if _is_plain_end(web, arc):
-            continue
+        about_axis = arc.center in ((0.0, 0.0), (0.0, web.distance))
+        if about_axis and math.isclose(2.0 * arc.radius, web.outline.width, rel_tol=1e-6):
+            continue  # an end of a plain obround, whose radius goes without saying
         points = arc.points(33)
         seen = points[~on_weight(web, points)]
         u, v = seen[len(seen) // 2] if len(seen) else points[16]
@@ -490,9 +491,3 @@ def corner_texts(web: WebPlate) -> dict[str, Point]:
                 text = f"{millimeters(abs(u_1 - u_0))} × 45°"
                 texts.setdefault(text, (0.5 * (u_0 + u_1), 0.5 * (v_0 + v_1)))
     return texts
-
-
-def _is_plain_end(web: WebPlate, arc: Arc) -> bool:
-    """Whether an arc is an end of a plain obround, whose radius goes without saying."""
-    about_axis = arc.center in ((0.0, 0.0), (0.0, web.distance))
-    return about_axis and math.isclose(2.0 * arc.radius, web.outline.width, rel_tol=1e-6)

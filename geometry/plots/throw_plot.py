@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from html import escape
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -136,25 +137,33 @@ def positioned_parts(parts: ThrowParts, angle: float, along: float) -> ThrowPart
     def moved(part: Part, *places: str, **changes: Any) -> Part:
         return replace(part, **{name: getattr(part, name) + along for name in places}, **changes)
 
-    def cylinder(one: Cylinder) -> Cylinder:
-        axes = {name: turned(getattr(one, name)) for name in ("axis", "bore_axis")}
-        return moved(one, "start", "end", "bore_start", "bore_end", **axes)
-
-    def web(one: WebPlate) -> WebPlate:
-        return moved(
-            one,
+    cylinders = tuple(
+        moved(
+            cylinder,
             "start",
             "end",
-            foot=turned(one.foot),
-            tip=turned(one.tip),
-            slopes=tuple(moved(slope, "face") for slope in one.slopes),
-            sector=one.sector and moved(one.sector, "start", "end"),
+            "bore_start",
+            "bore_end",
+            axis=turned(cylinder.axis),
+            bore_axis=turned(cylinder.bore_axis),
         )
-
-    cylinders = tuple(map(cylinder, parts.cylinders))
-    axes = {one.name: (one.axis, one.bore_axis) for one in cylinders}
+        for cylinder in parts.cylinders
+    )
+    webs = tuple(
+        moved(
+            web,
+            "start",
+            "end",
+            foot=turned(web.foot),
+            tip=turned(web.tip),
+            slopes=tuple(moved(slope, "face") for slope in web.slopes),
+            sector=web.sector and moved(web.sector, "start", "end"),
+        )
+        for web in parts.webs
+    )
+    axes = {cylinder.name: (cylinder.axis, cylinder.bore_axis) for cylinder in cylinders}
     holes = tuple(hole.moved(angle, along, *axes[hole.journal]) for hole in parts.drillings)
-    return ThrowParts(cylinders, tuple(map(web, parts.webs)), holes)
+    return ThrowParts(cylinders, webs, holes)
 
 
 def _edges(ends: Sequence[tuple[float, float, float]]) -> list[float]:
@@ -241,7 +250,7 @@ class _SvgView(View):
 
     def stack(self, dimensions: Sequence[Linear], axis: int, side: int) -> None:
         """Draw distances that have letters."""
-        super().stack([one for one in dimensions if self._letter(one.text)], axis, side)
+        super().stack([linear for linear in dimensions if self._letter(linear.text)], axis, side)
 
     def callouts(self, texts: Sequence[Callout]) -> None:
         """Write letters beside the view."""
@@ -324,7 +333,7 @@ class _SvgView(View):
         low, high = self.low - margin, self.high + margin
         width, height = high - low
         # Sorted by layer, else in the order in which they were drawn.
-        shapes = "".join(shape for _, shape in sorted(self._shapes, key=lambda one: one[0]))
+        shapes = "".join(shape for _, shape in sorted(self._shapes, key=itemgetter(0)))
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-label="{escape(label)}" '
             f'viewBox="{low[0]:.6g} {-high[1]:.6g} {width:.6g} {height:.6g}">'

@@ -129,13 +129,35 @@ def draw_side(view: View, parts: ThrowParts, dimensions: bool = True) -> None:
         _draw_web(view, web)
     for cylinder in parts.cylinders:
         if cylinder.bore_radius > 0.0:
-            _draw_bore(view, parts, cylinder)
+            # A bore ends on the faces of the webs beside its journal.
+            x, middle = cylinder.bore_axis
+            for y in (middle - cylinder.bore_radius, middle + cylinder.bore_radius):
+                start, end = cylinder.bore_start, cylinder.bore_end
+                for web in parts.webs:
+                    height = float(np.dot(np.subtract((x, y), web.foot), web.direction))
+                    if web.start == start:
+                        start, _ = faces_at(web, height)
+                    if web.end == end:
+                        _, end = faces_at(web, height)
+                view.stroke([(start, y), (end, y)], HIDDEN)
+            if middle != cylinder.axis[1]:
+                margin = BEYOND * view.point
+                past = (cylinder.bore_start - margin, cylinder.bore_end + margin)
+                view.stroke([(past[0], middle), (past[1], middle)], THIN_CENTER)
     draw_oil_holes(view, parts, SIDE, hidden=False)
     for web, (before, after) in zip(parts.webs, pairwise(parts.cylinders), strict=True):
         if web.end == web.start:  # the halves of a split pin meet
             ends = [c.axis[1] + sign * c.radius for c in (before, after) for sign in (-1.0, 1.0)]
             view.stroke([(web.start, min(ends)), (web.start, max(ends))])
-    _draw_center_lines(view, parts)
+    # The axes of shaft and pins, and the middles of the main journals.
+    beyond = BEYOND * view.point
+    view.stroke([(-beyond, 0.0), (parts.length + beyond, 0.0)], CENTER)
+    for pin in parts.pins:
+        start, end = pin.bore_start - beyond, pin.bore_end + beyond
+        view.stroke([(start, pin.axis[1]), (end, pin.axis[1])], CENTER)
+    reach = parts.cylinders[0].radius + beyond
+    for z in (0.0, parts.length):
+        view.stroke([(z, -reach), (z, reach)], CENTER)
     if len(parts.pins) > 1:
         for pin in parts.pins:
             middle, above = 0.5 * (pin.start + pin.end), pin.axis[1] + 8.0 * view.point
@@ -175,7 +197,11 @@ def _draw_web(view: View, web: WebPlate) -> None:
     corners = np.vstack([np.column_stack([z, y]) for z in web.faces(uv[:, 1])])
     view.surface(corners[ConvexHull(corners).vertices], WEB_COLOR)
     for before, after in pairwise(web.outline.pieces):
-        if isinstance(before, Line) and isinstance(after, Line) and _is_visible_edge(before, after):
+        if not (isinstance(before, Line) and isinstance(after, Line)):
+            continue
+        first, second = np.subtract(before.end, before.start), np.subtract(after.end, after.start)
+        sine = abs(first[0] * second[1] - first[1] * second[0])
+        if sine > 0.05 * np.linalg.norm(first) * np.linalg.norm(second):  # a visible edge
             u, v = after.start
             _, y_near = at_smaller_x(web, u, v)
             start, end = faces_at(web, v)
@@ -194,43 +220,6 @@ def _draw_weight(view: View, sector: Sector, y: Array) -> None:
     view.surface([(z[0], low), (z[1], low), (z[1], high), (z[0], high)], WEB_COLOR)
 
 
-def _is_visible_edge(before: Line, after: Line) -> bool:
-    """Whether two straight pieces of an outline meet in a visible edge."""
-    first, second = np.subtract(before.end, before.start), np.subtract(after.end, after.start)
-    sine = abs(first[0] * second[1] - first[1] * second[0])
-    return bool(sine > 0.05 * np.linalg.norm(first) * np.linalg.norm(second))
-
-
-def _draw_bore(view: View, parts: ThrowParts, cylinder: Cylinder) -> None:
-    """Draw a bore, which ends on the faces of the webs beside its journal."""
-    x, middle = cylinder.bore_axis
-    for y in (middle - cylinder.bore_radius, middle + cylinder.bore_radius):
-        start, end = cylinder.bore_start, cylinder.bore_end
-        for web in parts.webs:
-            height = float(np.dot(np.subtract((x, y), web.foot), web.direction))
-            if web.start == start:
-                start, _ = faces_at(web, height)
-            if web.end == end:
-                _, end = faces_at(web, height)
-        view.stroke([(start, y), (end, y)], HIDDEN)
-    if middle != cylinder.axis[1]:
-        beyond = BEYOND * view.point
-        ends = (cylinder.bore_start - beyond, cylinder.bore_end + beyond)
-        view.stroke([(ends[0], middle), (ends[1], middle)], THIN_CENTER)
-
-
-def _draw_center_lines(view: View, parts: ThrowParts) -> None:
-    """Draw the axes of shaft and pins, and the middles of the main journals."""
-    beyond = BEYOND * view.point
-    view.stroke([(-beyond, 0.0), (parts.length + beyond, 0.0)], CENTER)
-    for pin in parts.pins:
-        start, end = pin.bore_start - beyond, pin.bore_end + beyond
-        view.stroke([(start, pin.axis[1]), (end, pin.axis[1])], CENTER)
-    reach = parts.cylinders[0].radius + beyond
-    for z in (0.0, parts.length):
-        view.stroke([(z, -reach), (z, reach)], CENTER)
-
-
 def _dimension_fillets(view: View, parts: ThrowParts) -> None:
     journal, pins = parts.cylinders[0], parts.pins
     one_radius = len({journal.end_fillet, *map(_pin_fillet, pins)}) == 1
@@ -245,26 +234,25 @@ def _dimension_fillets(view: View, parts: ThrowParts) -> None:
             name = "$r$" if one_radius else symbol("r", "shm")
             text = f"{name} {millimeters(_pin_fillet(pin))}"
             field = "fillet_radius" if one_radius else "pin_fillet_radius"
-            _dimension_pin_fillet(view, parts, pin, view.label(text, field))
+            # Between the webs or, if there is no room, beyond the outer one.
+            text = view.label(text, field)
+            outward = 1.0 if pin.axis[1] >= 0.0 else -1.0
+            room = (pin.end - pin.start) / view.point - 18.0
+            if text_size(text)[0] <= room:
+                at_start, side = pin.start_fillet > 0.0, -outward
+                inward, up = 9.0, -16.0 * outward
+            else:
+                at_start, side = pin is parts.pins[0] and len(parts.pins) > 1, outward
+                web = parts.webs[0 if at_start else -1]
+                inward, up = -(web.end - web.start) / view.point - 10.0, 12.0 * outward
+            view.leader(
+                _on_fillet(pin, at_start, side), (inward if at_start else -inward, up), text
+            )
 
 
 def _pin_fillet(pin: Cylinder) -> float:
     """Radius of a pin's fillets; where it meets the other half of a split pin it has none."""
     return max(pin.start_fillet, pin.end_fillet)
-
-
-def _dimension_pin_fillet(view: View, parts: ThrowParts, pin: Cylinder, text: str) -> None:
-    """Write a pin's fillet radius between the webs or, if there is no room, beyond the outer one."""
-    outward = 1.0 if pin.axis[1] >= 0.0 else -1.0
-    room = (pin.end - pin.start) / view.point - 18.0
-    if text_size(text)[0] <= room:
-        at_start, side = pin.start_fillet > 0.0, -outward
-        inward, up = 9.0, -16.0 * outward
-    else:
-        at_start, side = pin is parts.pins[0] and len(parts.pins) > 1, outward
-        web = parts.webs[0 if at_start else -1]
-        inward, up = -(web.end - web.start) / view.point - 10.0, 12.0 * outward
-    view.leader(_on_fillet(pin, at_start, side), (inward if at_start else -inward, up), text)
 
 
 def _on_fillet(cylinder: Cylinder, at_start: bool, side: float) -> Point:
@@ -537,7 +525,19 @@ def draw_end(view: View, parts: ThrowParts, dimensions: bool = True) -> None:
     for cylinder, web in reversed(list(zip(parts.cylinders, [None, *parts.webs], strict=True))):
         view.surface(_circle(cylinder.axis, cylinder.radius), JOURNAL_COLOR)
         if web is not None and web.end > web.start:
-            _draw_end_web(view, web)
+            shapes = [outline(web)]
+            if web.sector is not None:
+                shapes.append(weight_outline(web, web.sector))
+                if web.sector.start > web.start:  # the web's face is nearer
+                    shapes.reverse()
+            flush = has_flush_weight(web)
+            for shape in shapes:
+                view.surface(mirror(shape), WEB_COLOR, edge=0.0 if flush else 1.0)
+            for edge in _edges(web) if flush else ():
+                view.stroke(edge, {**OUTLINE, "zorder": 1.0})
+            for slope in web.slopes:
+                if slope.inward > 0.0:
+                    view.stroke(_slope_start(web, slope.start), {**EDGE, "zorder": 1.0})
             if cylinder.bore_radius > 0.0:
                 view.surface(_circle(cylinder.bore_axis, cylinder.bore_radius), OPEN)
     journal = parts.cylinders[0]
@@ -547,104 +547,6 @@ def draw_end(view: View, parts: ThrowParts, dimensions: bool = True) -> None:
         view.stroke(_circle(journal.axis, journal.radius + journal.end_fillet), EDGE)
     _draw_hidden(view, parts)
     draw_oil_holes(view, parts, FROM_LEFT, hidden=True)
-    _draw_end_center_lines(view, parts)
-    if dimensions:
-        dimension_end(view, parts)
-
-
-def _circle(center: Point, radius: float) -> Array:
-    return mirror(circle(center, radius))
-
-
-def _draw_end_web(view: View, web: WebPlate) -> None:
-    shapes = [outline(web)]
-    if web.sector is not None:
-        shapes.append(weight_outline(web, web.sector))
-        if web.sector.start > web.start:  # the web's face is nearer
-            shapes.reverse()
-    flush = has_flush_weight(web)
-    for shape in shapes:
-        view.surface(mirror(shape), WEB_COLOR, edge=0.0 if flush else 1.0)
-    for edge in _edges(web) if flush else ():
-        view.stroke(edge, {**OUTLINE, "zorder": 1.0})
-    for slope in web.slopes:
-        if slope.inward > 0.0:
-            view.stroke(_slope_start(web, slope.start), {**EDGE, "zorder": 1.0})
-
-
-def _edges(web: WebPlate) -> list[Array]:
-    """Edges of a web and its counterweight, cut off where their faces are one."""
-    edges = [np.vstack([outline_uv(web), outline_uv(web)[:1]])]
-    if web.sector is not None:
-        edges.append(sector_uv(web.sector))
-    if has_flush_weight(web):
-        edges = [_resampled_line(edge) for edge in edges]
-        within = np.abs(edges[1][:, 0]) < web.outline.half_width(edges[1][:, 1]) * (1.0 - 1e-9)
-        edges[0][on_weight(web, edges[0])] = np.nan
-        edges[1][within] = np.nan
-    return [mirror(place(web, *edge.T)) for edge in edges]
-
-
-def _resampled_line(points: Array) -> Array:
-    """Points at equal steps along a line, so that it can be cut off anywhere."""
-    steps = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-    places = np.linspace(0.0, steps[-1], 1200)
-    return np.column_stack([np.interp(places, steps, column) for column in points.T])
-
-
-def _slope_start(web: WebPlate, v: float) -> Array:
-    """The line on a web's face where its slope begins."""
-    half = half_width(web, v)
-    return mirror(place(web, [-half, half], [v, v]))
-
-
-def _draw_hidden(view: View, parts: ThrowParts) -> None:
-    """Draw dashed what lies behind, but no line twice and none that is seen in front."""
-    drawn = _lines_in_front(parts)
-    for line in _lines_behind(parts):
-        if not any(_same(line, other) for other in drawn):
-            drawn.append(line)
-            view.stroke(line, HIDDEN)
-    for pin in parts.pins:
-        if pin.collar > pin.radius:
-            view.stroke(_circle(pin.axis, pin.collar), {**HIDDEN, "linewidth": 0.4})
-    for cylinder in parts.cylinders:
-        if cylinder.bore_radius > 0.0 and bore_offset(cylinder) != 0.0:
-            x, y = cylinder.bore_axis
-            reach = cylinder.bore_radius + 4.0 * view.point
-            view.stroke(mirror([(x - reach, y), (x + reach, y)]), THIN_CENTER)
-
-
-def _lines_in_front(parts: ThrowParts) -> list[Array]:
-    """Lines of the first journal, the first web, and the bores that open towards the left end."""
-    journal, web = parts.cylinders[0], parts.webs[0]
-    lines = [_circle(journal.axis, journal.radius)]
-    lines += [_circle(c.bore_axis, c.bore_radius) for c in parts.cylinders[:2] if c.bore_radius]
-    if web.sector is None or has_flush_weight(web):
-        lines += _edges(web)
-    return lines + [_slope_start(web, slope.start) for slope in web.slopes if slope.inward > 0.0]
-
-
-def _lines_behind(parts: ThrowParts) -> list[Array]:
-    """All lines, hidden or not."""
-    lines = [_circle(pin.axis, pin.radius) for pin in parts.pins]
-    lines += [_circle(c.bore_axis, c.bore_radius) for c in parts.cylinders if c.bore_radius]
-    for web in parts.webs:
-        if web.end == web.start:
-            continue
-        lines += _edges(web)
-        if web.sector is not None and web.sector.inner_radius > 0.0:
-            inner = sector_arc(web.sector, web.sector.inner_radius)
-            lines.append(mirror(place(web, *inner.T)))
-        lines += [_slope_start(web, slope.start) for slope in web.slopes]
-    return lines
-
-
-def _same(line: Array, other: Array) -> bool:
-    return line.shape == other.shape and np.allclose(line, other, equal_nan=True)
-
-
-def _draw_end_center_lines(view: View, parts: ThrowParts) -> None:
     beyond = BEYOND * view.point
     for number, pin in enumerate(parts.pins):
         web = parts.webs[number]
@@ -655,6 +557,72 @@ def _draw_end_center_lines(view: View, parts: ThrowParts) -> None:
         view.stroke(mirror(np.array([np.zeros(2), stop])), CENTER)
     reach = parts.cylinders[0].collar + beyond
     _draw_crosshair(view, (0.0, 0.0), reach, np.array([0.0, 1.0]))
+    if dimensions:
+        dimension_end(view, parts)
+
+
+def _circle(center: Point, radius: float) -> Array:
+    return mirror(circle(center, radius))
+
+
+def _edges(web: WebPlate) -> list[Array]:
+    """Edges of a web and its counterweight, cut off where their faces are one."""
+    edges = [np.vstack([outline_uv(web), outline_uv(web)[:1]])]
+    if web.sector is not None:
+        edges.append(sector_uv(web.sector))
+    if has_flush_weight(web):
+        for number, edge in enumerate(edges):
+            # Points at equal steps along the line, so that it can be cut off anywhere.
+            steps = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(edge, axis=0).T))])
+            places = np.linspace(0.0, steps[-1], 1200)
+            edges[number] = np.column_stack([np.interp(places, steps, column) for column in edge.T])
+        within = np.abs(edges[1][:, 0]) < web.outline.half_width(edges[1][:, 1]) * (1.0 - 1e-9)
+        edges[0][on_weight(web, edges[0])] = np.nan
+        edges[1][within] = np.nan
+    return [mirror(place(web, *edge.T)) for edge in edges]
+
+
+def _slope_start(web: WebPlate, v: float) -> Array:
+    """The line on a web's face where its slope begins."""
+    half = half_width(web, v)
+    return mirror(place(web, [-half, half], [v, v]))
+
+
+def _draw_hidden(view: View, parts: ThrowParts) -> None:
+    """Draw dashed what lies behind, but no line twice and none that is seen in front."""
+    # In front: the first journal, the first web, and the bores that open towards the left end.
+    journal, first = parts.cylinders[0], parts.webs[0]
+    drawn = [_circle(journal.axis, journal.radius)]
+    drawn += [_circle(c.bore_axis, c.bore_radius) for c in parts.cylinders[:2] if c.bore_radius]
+    if first.sector is None or has_flush_weight(first):
+        drawn += _edges(first)
+    drawn += [_slope_start(first, slope.start) for slope in first.slopes if slope.inward > 0.0]
+
+    lines = [_circle(pin.axis, pin.radius) for pin in parts.pins]
+    lines += [_circle(c.bore_axis, c.bore_radius) for c in parts.cylinders if c.bore_radius]
+    for web in parts.webs:
+        if web.end == web.start:
+            continue
+        lines += _edges(web)
+        if web.sector is not None and web.sector.inner_radius > 0.0:
+            inner = sector_arc(web.sector, web.sector.inner_radius)
+            lines.append(mirror(place(web, *inner.T)))
+        lines += [_slope_start(web, slope.start) for slope in web.slopes]
+    for line in lines:
+        if not any(
+            line.shape == other.shape and np.allclose(line, other, equal_nan=True)
+            for other in drawn
+        ):
+            drawn.append(line)
+            view.stroke(line, HIDDEN)
+    for pin in parts.pins:
+        if pin.collar > pin.radius:
+            view.stroke(_circle(pin.axis, pin.collar), {**HIDDEN, "linewidth": 0.4})
+    for cylinder in parts.cylinders:
+        if cylinder.bore_radius > 0.0 and bore_offset(cylinder) != 0.0:
+            x, y = cylinder.bore_axis
+            reach = cylinder.bore_radius + 4.0 * view.point
+            view.stroke(mirror([(x - reach, y), (x + reach, y)]), THIN_CENTER)
 
 
 def _draw_crosshair(view: View, center: Point, reach: float, direction: Array) -> None:

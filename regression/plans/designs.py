@@ -596,7 +596,7 @@ def _fractional_factorial(factors: Sequence[Factor], choice: DesignChoice) -> De
     left_out = number - round(math.log2(len(coded)))
     power = f"2^({number}-{left_out})" if left_out else f"2^{number}"
     quality = f"resolution {ROMAN.get(shortest, str(shortest))}" if shortest else "all corners"
-    runs = _crossed(factors, two_level, 0.5 + 0.5 * coded)
+    runs = _crossed(factors, two_level, coded)
     groups = aliased_effects(coded, tuple(factor.name for factor in two_level))
     remarks = (f"Confounded effects: {'; '.join(groups)}.",) if groups else ()
     return Design(runs, f"fractional factorial {power}, {quality}, {len(runs)} runs", remarks)
@@ -609,7 +609,7 @@ def _central_composite(factors: Sequence[Factor], choice: DesignChoice) -> Desig
         check_ranges(numbers, f"central composite, {face}")
     coded = central_composite(len(numbers), face, choice.resolution)
     levels = None if face != "faced" else [_three_levels(f, choice.kind) for f in numbers]
-    values = _crossed(factors, numbers, 0.5 + 0.5 * coded, levels)
+    values = _crossed(factors, numbers, coded, levels)
     scaled = ", scaled to fit the ranges" if face == "circumscribed" else ""
     corners = (
         "" if choice.resolution is None else f", corners of resolution {ROMAN[choice.resolution]}"
@@ -621,7 +621,7 @@ def _box_behnken(factors: Sequence[Factor], choice: DesignChoice) -> Design:
     numbers = [factor for factor in factors if not factor.labels]
     coded = box_behnken(len(numbers))
     levels = [_three_levels(factor, choice.kind) for factor in numbers]
-    values = _crossed(factors, numbers, 0.5 + 0.5 * coded, levels)
+    values = _crossed(factors, numbers, coded, levels)
     return Design(values, f"Box-Behnken, center once, {len(values)} runs")
 
 
@@ -645,14 +645,15 @@ def _file_statement(runs: int) -> str:
 def _crossed(
     factors: Sequence[Factor],
     varied: Sequence[Factor],
-    places: Table,
+    coded: Coded,
     levels: Sequence[tuple[float, float, float]] | None = None,
 ) -> Table:
     """Repeat a design of some factors for every combination of the others' labels.
 
-    `places` are 0 to 1 in each range, of labels 0 and 1; 0, 0.5 and 1 mean `levels` if there are any.
+    `coded` is -1 to 1 in each range, of labels -1 and 1; -1, 0 and 1 mean `levels` if there are any.
     """
     columns: dict[str, Table] = {}
+    places = 0.5 + 0.5 * coded
     for number, (factor, place) in enumerate(zip(varied, places.T, strict=True)):
         if factor.labels:
             columns[factor.name] = np.round(place * factor.highest)

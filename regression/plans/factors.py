@@ -194,16 +194,13 @@ def _fields_of(
             for place, item in enumerate(value or ()):
                 yield from _fields_of(item, part, f"{path}.{place}.")
         elif part is not None:
-            if value is not None or _needs_nothing(part):
+            required = any(entry.is_required() for entry in part.model_fields.values())
+            if value is not None or not required:
                 yield from _fields_of(value, part, f"{path}.")
         elif field_extra(info, "unit") is not None:
             yield ThrowField(path, field_extra(info, "unit"))
         elif choices := _choices(info.annotation):
             yield ThrowField(path, "", choices)
-
-
-def _needs_nothing(kind: type[InputModel]) -> bool:
-    return not any(info.is_required() for info in kind.model_fields.values())
 
 
 def _choices(annotation: Any) -> tuple[str, ...]:

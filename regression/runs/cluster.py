@@ -271,7 +271,13 @@ class _Dispatch:
             self.refusal = self.refusal or error
             return None
         if "answer" not in answer and "lost" not in answer:
-            self.refusal = self.refusal or InputError(_mismatch(place, answer["identity"]))
+            here, there = identity(), answer["identity"]
+            self.refusal = self.refusal or InputError(
+                f"dask: given a cluster whose worker {place} has crankfem {there['crankfem']} with model "
+                f"version {there['model_version']}; allowed is the coordinator's crankfem "
+                f"{here['crankfem']} with model version {here['model_version']}, because results of "
+                "different models must not be mixed."
+            )
             return None
         self._compare(place, answer["identity"])
         if "lost" in answer:
@@ -333,15 +339,6 @@ def run_on_cluster(
     finally:
         for running in dispatch.running.values():
             running.task.release()
-
-
-def _mismatch(place: str, there: Mapping[str, Any]) -> str:
-    here = identity()
-    return (
-        f"dask: given a cluster whose worker {place} has crankfem {there['crankfem']} with model version "
-        f"{there['model_version']}; allowed is the coordinator's crankfem {here['crankfem']} with model "
-        f"version {here['model_version']}, because results of different models must not be mixed."
-    )
 
 
 # Seconds to wait for the scheduler to answer, and for a result that it says is there.

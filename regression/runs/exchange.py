@@ -28,7 +28,6 @@ from regression.runs.store import ResultStore, damaged_rows_warning
 from regression.runs.study_table import (
     DONE,
     PER,
-    StudyRow,
     StudyTable,
     slope_name,
     slope_unit,
@@ -216,21 +215,23 @@ class Column:
 def columns(table: StudyTable) -> tuple[Column, ...]:
     """List the columns of each row: role, factors, dimensions, responses, errors, reason."""
     rows = table.rows
-    factors = [
-        (place, factor)
-        for place, factor in enumerate(table.plan.factors)
-        if factor.name not in CrankThrow.model_fields
-    ]
     listed = [
         Column("role", "", [row.role for row in rows]),
         Column("status", "", [row.status for row in rows]),
         Column("source", "", [row.source or None for row in rows]),
     ]
-    listed += [
-        Column(factor.name, factor.unit, [_factor_cell(row, place, factor) for row in rows])
-        for place, factor in factors
-    ]
-    shown = {factor.name for _, factor in factors}
+    shown = set()
+    for place, factor in enumerate(table.plan.factors):
+        if factor.name in CrankThrow.model_fields:
+            continue
+        shown.add(factor.name)
+        cells = [
+            row.dimensions.get(factor.name, row.outlines.get(factor.name))
+            if row.values is None
+            else factor.setting(row.values[place])
+            for row in rows
+        ]
+        listed.append(Column(factor.name, factor.unit, cells))
     parts: tuple[tuple[str, Callable[[str], str | None], str], ...] = (
         ("dimensions", field_unit, ""),
         ("outlines", field_unit, ""),
@@ -263,12 +264,6 @@ def columns(table: StudyTable) -> tuple[Column, ...]:
         Column("reason", "", [row.reason or None for row in rows]),
     ]
     return tuple(listed)
-
-
-def _factor_cell(row: StudyRow, place: int, factor: Factor) -> Cell:
-    if row.values is None:
-        return row.dimensions.get(factor.name, row.outlines.get(factor.name))
-    return factor.setting(row.values[place])
 
 
 def check_export(path: Path) -> None:
@@ -309,7 +304,16 @@ def export_table(table: StudyTable, path: str | Path) -> ExportedTable:
         if path.suffix == ".csv":
             write_csv(part, columns(table))
         else:
-            _write_parquet(part, table)
+            pyarrow, parquet = _parquet()
+            listed = columns(table)
+            arrays = [pyarrow.array(column.cells) for column in listed]
+            fields = [
+                pyarrow.field(column.header, array.type, metadata={"unit": column.unit})
+                for column, array in zip(listed, arrays, strict=True)
+            ]
+            about = {"study": table.plan.key, "model_version": str(MODEL_VERSION)}
+            schema = pyarrow.schema(fields, metadata=about)
+            parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=schema), part)
     return ExportedTable(str(path), len(table.rows))
 
 
@@ -320,19 +324,6 @@ def write_csv(path: Path, listed: Sequence[Column]) -> None:
         writer.writerow([column.header for column in listed])
         # Python writes a float with all digits that tell it from its neighbors.
         writer.writerows(zip(*(column.cells for column in listed), strict=True))
-
-
-def _write_parquet(path: Path, table: StudyTable) -> None:
-    pyarrow, parquet = _parquet()
-    listed = columns(table)
-    arrays = [pyarrow.array(column.cells) for column in listed]
-    fields = [
-        pyarrow.field(column.header, array.type, metadata={"unit": column.unit})
-        for column, array in zip(listed, arrays, strict=True)
-    ]
-    about = {"study": table.plan.key, "model_version": str(MODEL_VERSION)}
-    schema = pyarrow.schema(fields, metadata=about)
-    parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=schema), path)
 
 
 def _parquet() -> tuple[Any, Any]:

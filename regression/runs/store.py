@@ -464,7 +464,7 @@ def read_extra(row: Mapping[str, Any]) -> ExtraRow:
     values = None if row["factors"] is None else _content(row["factors"], "factors", list)
     if values is not None:
         _check_numbers(dict(enumerate(values)), "factors")
-    found = ExtraRow(
+    extra = ExtraRow(
         role=row["role"],
         dimensions=_numbers(row["dimensions"], "dimensions"),
         outlines=_content(row["outlines"], "outlines", dict),
@@ -474,7 +474,7 @@ def read_extra(row: Mapping[str, Any]) -> ExtraRow:
         source=row["source"],
     )
     _check_sum(row, "extra_rows")
-    return found
+    return extra
 
 
 def _check_sum(row: Mapping[str, Any], table: str) -> None:
@@ -490,22 +490,22 @@ def _check_sum(row: Mapping[str, Any], table: str) -> None:
 def _content(text: object, column: str, kind: type) -> Any:
     """Read a column's JSON."""
     try:
-        found = json.loads(text) if isinstance(text, str) else None
+        content = json.loads(text) if isinstance(text, str) else None
     except (ValueError, RecursionError):
-        found = None
-    if not isinstance(found, kind):
+        content = None
+    if not isinstance(content, kind):
         raise DamagedRowError(f"its {column} cannot be read")
-    return found
+    return content
 
 
 def _numbers(text: object, column: str) -> dict[str, float]:
-    found: dict[str, float] = _content(text, column, dict)
-    _check_numbers(found, column)
-    return found
+    numbers: dict[str, float] = _content(text, column, dict)
+    _check_numbers(numbers, column)
+    return numbers
 
 
-def _check_numbers(found: Mapping[Any, object], column: str) -> None:
-    for name, value in found.items():
+def _check_numbers(numbers: Mapping[Any, object], column: str) -> None:
+    for name, value in numbers.items():
         if not is_number(value) or not -LARGEST <= value <= LARGEST:
             raise DamagedRowError(f"{name} among its {column} is {value!r}, no finite number")
 
@@ -683,19 +683,21 @@ class ResultStore:
         outcome = read_design(row)
         if outcome.responses is None or SLOPES not in outcome.inputs:
             return outcome
-        found = None
+        slopes_row = None
         if _columns(self._connection, "slopes"):
             query = "SELECT * FROM slopes WHERE design = ?"
-            found = self._connection.execute(query, (outcome.key,)).fetchone()
-        if found is None:
+            slopes_row = self._connection.execute(query, (outcome.key,)).fetchone()
+        if slopes_row is None:
             raise DamagedRowError("its slopes are missing")
-        shares = _content(found["shares"], "slopes", dict)
+        shares = _content(slopes_row["shares"], "slopes", dict)
         for name, over in shares.items():
             if not isinstance(over, dict):
                 raise DamagedRowError(f"its slopes of {name} cannot be read")
             _check_numbers(over, f"slopes of {name}")
-        errors = _numbers(found["errors"], "errors of slopes")
-        if found[CHECKSUM] != checksum([found[name] for name in ("design", "shares", "errors")]):
+        errors = _numbers(slopes_row["errors"], "errors of slopes")
+        if slopes_row[CHECKSUM] != checksum(
+            [slopes_row[name] for name in ("design", "shares", "errors")]
+        ):
             raise DamagedRowError("the checksum of its slopes does not fit them")
         return replace(outcome, slopes=shares, slope_errors=errors)
 

@@ -350,25 +350,21 @@ def _study_choice_text(
             f"study: {chosen}; {results.path} holds no study yet; allowed is a store in which one was run."
         )
     digits = next(n for n in range(6, 25) if len({key[:n] for key in usable}) == len(usable))
-    listed = "; ".join(
-        f"{key[:digits]} ({_described(results, StudyPlan.from_record(record))})"
-        for key, record in usable.items()
-    )
+    described = []
+    for key, record in usable.items():
+        plan = StudyPlan.from_record(record)
+        roles = [role for role, _, _ in results.study_designs(plan.key)]
+        factors = [
+            f"{factor.name} {' or '.join(factor.labels) or factor.range_text}"
+            for factor in plan.factors
+        ]
+        runs = f"{plan.design.kind} of {roles.count(RUN)} runs"
+        described.append(f"{key[:digits]} ({runs}: {', '.join(factors)})")
     number = "1 study" if len(usable) == 1 else f"{len(usable)} studies"
     return InputError(
-        f"study: {chosen}; {results.path} holds {number}: {listed}; name one of them by the first "
-        "characters of its key."
+        f"study: {chosen}; {results.path} holds {number}: {'; '.join(described)}; name one of "
+        "them by the first characters of its key."
     )
-
-
-def _described(results: ResultStore, plan: StudyPlan) -> str:
-    """Describe a study in a few words, to distinguish it from others."""
-    roles = [role for role, _, _ in results.study_designs(plan.key)]
-    factors = [
-        f"{factor.name} {' or '.join(factor.labels) or factor.range_text}"
-        for factor in plan.factors
-    ]
-    return f"{plan.design.kind} of {roles.count(RUN)} runs: {', '.join(factors)}"
 
 
 @result("designs", "rows", "left_out", eq=True)

@@ -180,7 +180,11 @@ class StudyTable(DesignTable):
         """
         columns: dict[str, tuple[Any, str]] = {"held_out": (self.held_out, "")}
         for place, factor in enumerate(self.plan.factors):
-            columns[factor.name] = _cells(factor, self.values[:, place])
+            values = self.values[:, place]
+            if factor.labels:
+                columns[factor.name] = [factor.setting(value) for value in values.tolist()], ""
+            else:
+                columns[factor.name] = values, factor.unit or "1"
         units = self.response_units
         columns |= {name: (values, units[name]) for name, values in self.responses.items()}
         columns |= {f"{name} error": (values, "1") for name, values in self.errors.items()}
@@ -201,13 +205,6 @@ def _one_of(argument: str, chosen: str | None, names: list[str]) -> str:
             "has these."
         )
     return names[0] if chosen is None else chosen
-
-
-def _cells(factor: Factor, values: Array) -> tuple[Any, str]:
-    """Values of a factor with their unit; labels of a choice."""
-    if factor.labels:
-        return [factor.setting(value) for value in values.tolist()], ""
-    return values, factor.unit or "1"
 
 
 PER = " per "
@@ -358,8 +355,8 @@ def _with_slopes(
                         name
                     ] * float(sum(terms))
     return [
-        replace(row, slopes=found, slope_errors=outcome.slope_errors if outcome else {})
-        for row, found, outcome in zip(rows, slopes, known, strict=True)
+        replace(row, slopes=row_slopes, slope_errors=outcome.slope_errors if outcome else {})
+        for row, row_slopes, outcome in zip(rows, slopes, known, strict=True)
     ]
 
 

@@ -78,15 +78,19 @@ def formulas(
             "with one, because its throws have names."
         )
     if published:
-        _refuse_beside_published(
-            {
-                "--gamma": gamma is not None,
-                "--variant": variant is not None,
-                "--constant": bool(constant),
-                "--no-fe": not fe,
-                "--units": bool(out.units.wished),
-            }
-        )
+        beside = {
+            "--gamma": gamma is not None,
+            "--variant": variant is not None,
+            "--constant": bool(constant),
+            "--no-fe": not fe,
+            "--units": bool(out.units.wished),
+        }
+        for option, is_given in beside.items():
+            if is_given:
+                raise InputError(
+                    f"{option}: given together with --published; allowed is one of the two, because the "
+                    "published table is shown as it was printed."
+                )
         _published(out)
         return
     asked = _Request(
@@ -103,14 +107,6 @@ def formulas(
         _one_throw(files[0], asked)
     else:
         _some_engines(files, asked)
-
-
-def _refuse_beside_published(options: Mapping[str, bool]) -> None:
-    for option in (name for name, is_given in options.items() if is_given):
-        raise InputError(
-            f"{option}: given together with --published; allowed is one of the two, because the "
-            "published table is shown as it was printed."
-        )
 
 
 def _values(engine: str, asked: _Request) -> "Formulas":

@@ -273,14 +273,15 @@ def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
 
     engine_file = load_mechanism(source)
     engine, strokes, cylinder = engine_file.layout, asked.strokes, asked.cylinder
-    told = {"--columns": asked.reading.columns, "--sheet": asked.reading.sheet or None}
-    for option, order in {
+    of_tables = {
         **dict(zip(("--firing-order", "--firing-angles"), asked.firing, strict=True)),
-        **told,
-    }.items():
-        if order is not None:
+        "--columns": asked.reading.columns,
+        "--sheet": asked.reading.sheet or None,
+    }
+    for option, value in of_tables.items():
+        if value is not None:
             raise InputError(
-                f"{option}: given {order!r} with an engine file; allowed is a torque table, because the "
+                f"{option}: given {value!r} with an engine file; allowed is a torque table, because the "
                 "engine file defines when its cylinders fire, and its tables."
             )
     turning = parse_speed(asked.speed)

@@ -14,7 +14,7 @@ from crankfem.cli.commands.options import Output, WorkersOption, with_output
 from crankfem.cli.console import print_json, print_note
 
 if TYPE_CHECKING:
-    from crankfem.service.guard import Settings
+    pass
 
 
 @with_output()
@@ -60,22 +60,20 @@ def serve(
     settings = Settings(
         folder, models, host, port, _read_key(key_file), Bounds(running=jobs, workers=workers)
     )
+
+    def show_address(address: str) -> None:
+        if out.json:
+            print_json({"address": address, "folder": str(settings.folder), "who": settings.who})
+            sys.stdout.flush()  # who reads it waits for no end
+        elif not out.quiet:
+            # On standard error, as the log: nothing here is a result.
+            print_note(f"crankfem serves at {address} ({settings.who}).")
+            print_note(
+                f"Jobs are in {settings.folder}. Stop with Ctrl-C; running jobs continue at the next start."
+            )
+
     with interrupts_raise():
-        serve_until_interrupted(settings, lambda address: _tell(settings, address, out))
-
-
-def _tell(settings: "Settings", address: str, out: Output) -> None:
-    """State the address of the service, and who may use it."""
-    if out.json:
-        print_json({"address": address, "folder": str(settings.folder), "who": settings.who})
-        sys.stdout.flush()  # who reads it waits for no end
-    elif not out.quiet:
-        # On standard error, as the log: nothing here is a result.
-        for line in (
-            f"crankfem serves at {address} ({settings.who}).",
-            f"Jobs are in {settings.folder}. Stop with Ctrl-C; running jobs continue at the next start.",
-        ):
-            print_note(line)
+        serve_until_interrupted(settings, show_address)
 
 
 def _read_key(file: Path | None) -> str | None:

@@ -161,11 +161,11 @@ def vibration(
         asked += [] if changes is None else [*changes.parts()]
         parts = [*asked, *worst_tables(run, out.units), *vibration_parts(run, out.units)]
         files = (("Tables", csv, tables), ("Pictures", pictures, drawn))
-        told = [
+        written_to = [
             f"{kind}: {folder} ({sum(path.parent == made for path in written)} files)"
             for kind, folder, made in files
             if made is not None
         ]
-        out.show(parts, *told, out.units.text(verdict_line(run)))
+        out.show(parts, *written_to, out.units.text(verdict_line(run)))
     if strict:
         exit_unless_acceptable(run)

@@ -11,9 +11,7 @@ from crankfem.analyses.throw.formula_records import (
     EngineFormulas,
     EngineSpread,
     Formulas,
-    FormulaSpread,
     Kind,
-    Ratio,
     formula_spreads,
 )
 from crankfem.analyses.throw.throw_record import ReactionResults
@@ -27,19 +25,7 @@ from regression.formulas.axial_formulas import (
 )
 
 if TYPE_CHECKING:  # of whole engines, for which much is loaded that a throw does without
-    from crankfem.analyses.file_check import Arrangement, Dimension, Shape
-
-
-def _shape(shape: "Shape", units: OutputUnits = SI, name: str = "Throw") -> Iterator[str]:
-    """State the quantities that follow from the dimensions."""
-    length, volume = units.of("mm"), units.of("dm^3")
-    pins = "one pin" if shape.pins == 1 else f"{shape.pins} pins"
-    yield Main(
-        f"{name} with {pins}: length {length.with_name(shape.length, 5)}, overlap of journal and pin "
-        f"{length.with_name(shape.overlap)}, volume {volume.with_name(shape.volume)}; "
-        f"{_PARTS[shape.solved_part]}."
-    )
-    yield from _notes(shape.remarks, units)
+    from crankfem.analyses.file_check import Arrangement
 
 
 def _notes(remarks: Iterable[str], units: OutputUnits) -> Iterator[str]:
@@ -90,13 +76,13 @@ def formulas_answer(formulas: Formulas, units: OutputUnits = SI) -> Iterator[str
     for kind, si in KINDS.items() if formulas.fe is not None else ():
         fe = getattr(formulas.fe, kind)
         inside = [formula.value / fe for formula in formulas.of_kind(kind) if formula.valid]
-        told = (
+        beside = (
             f"; the {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} times this"
             if len(inside) > 1
             else ""
         )
         value = units.of(f"1e-9 {si}").with_name(fe)
-        yield f"{kind.capitalize()} compliance by finite elements: {value}{told}."
+        yield f"{kind.capitalize()} compliance by finite elements: {value}{beside}."
 
 
 def _kind_parts(
@@ -186,18 +172,18 @@ def spread_parts(
         names = list(dict.fromkeys(name for spread in spreads for name in spread.ratios[kind]))
         if not names:
             continue
-        rows = [
-            [
-                spread.engine,
-                f"{spread.overlap:.2f}",
-                _compliance(getattr(spread.fe, kind), unit),
-                *(_ratio(spread.ratios[kind].get(name)) for name in names),
-            ]
-            for spread in spreads
-        ]
+        rows = []
+        for spread in spreads:
+            fe = _compliance(getattr(spread.fe, kind), unit)
+            rows.append([spread.engine, f"{spread.overlap:.2f}", fe])
+            for ratio in map(spread.ratios[kind].get, names):
+                mark = "" if ratio is None or ratio.valid else "*"
+                rows[-1].append("-" if ratio is None else f"{ratio.value:.2f}{mark}")
         summary = formula_spreads(spreads, kind)
         for word in ("least", "mean", "greatest"):
-            rows.append([word, "", "", *(_summary(summary.get(name), word) for name in names)])
+            values = [getattr(summary[name], word) if name in summary else None for name in names]
+            shown = ["-" if value is None else f"{value:.2f}" for value in values]
+            rows.append([word, "", "", *shown])
         yield _marked_table(
             f"{kind.capitalize()} compliance: formula / finite elements, "
             f"{head if kind == 'axial' else 'pinned'} (FE in {unit.name})",
@@ -261,16 +247,6 @@ def _compliance(value: float, unit: OutputUnit) -> str:
     return f"{scaled:.0f}" if scaled >= 100.0 else f"{scaled:#.3g}"
 
 
-def _ratio(ratio: Ratio | None) -> str:
-    if ratio is None:
-        return "-"
-    return f"{ratio.value:.2f}{'' if ratio.valid else '*'}"
-
-
-def _summary(spread: FormulaSpread | None, word: str) -> str:
-    return "-" if spread is None else f"{getattr(spread, word):.2f}"
-
-
 def _published(value: PublishedValue | None) -> str:
     if value is None:
         return "-"
@@ -285,7 +261,7 @@ def _short(name: str) -> str:
 
 
 def _legend() -> str:
-    return f"{', '.join(f'{one.short} {one.name}' for one in AXIAL_FORMULAS.values())}."
+    return f"{', '.join(f'{formula.short} {formula.name}' for formula in AXIAL_FORMULAS.values())}."
 
 
 def reaction_parts(results: ReactionResults, units: OutputUnits) -> Iterator[Table | str]:
@@ -325,20 +301,34 @@ def check_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str
         yield from _arrangement_parts(record["engine"], record["arrangement"], units)
     throws = {
         f"Throw {name}": (
-            own["shape"],
-            own["law"],
-            own["dimensions"],
+            throw["shape"],
+            throw["law"],
+            throw["dimensions"],
             f"The throw {name} as understood",
         )
-        for name, own in record.get("throws", {}).items()
+        for name, throw in record.get("throws", {}).items()
     }
     if record["shape"] is not None and not throws:
         parts = (record["shape"], record["law"], record["dimensions"], "The throw as read")
         throws = {"Throw": parts}
+    length, volume = units.of("mm"), units.of("dm^3")
     for name, (shape, law, dimensions, title) in throws.items():
-        yield from _shape(shape, units, name)
+        pins = "one pin" if shape.pins == 1 else f"{shape.pins} pins"
+        yield Main(
+            f"{name} with {pins}: length {length.with_name(shape.length, 5)}, overlap of journal and pin "
+            f"{length.with_name(shape.overlap)}, volume {volume.with_name(shape.volume)}; "
+            f"{_PARTS[shape.solved_part]}."
+        )
+        yield from _notes(shape.remarks, units)
         yield Main(law.sentence(units))
-        yield _dimension_table(dimensions, units, title)
+        yield Table.of_records(
+            title,
+            dimensions,
+            (Column("dimension", words=True), "name"),
+            (Column("symbol", words=True), "symbol"),
+            (Column("", "mm", _digits(length)), "value"),
+            (Column("meaning", words=True), "meaning"),
+        )
     yield from _notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
     yield Table.of_records(
         "Inputs",
@@ -375,12 +365,13 @@ def _arrangement_parts(
     length, speed = units.of("mm"), units.of("1/min")
     digits = _digits(length)
     kind = "in line" if engine.bank_angles_deg is None else "in banks"
+    cylinders = "1 cylinder" if engine.cylinders == 1 else f"{engine.cylinders} cylinders"
     speeds = [
         speed.number(running, 6)
         for running in (engine.lowest_speed, engine.highest_speed, engine.rated_speed)
     ]
     yield Main(
-        f"{name}: {_cylinders(engine.cylinders)} {kind}, {engine.strokes}-stroke, bore x stroke "
+        f"{name}: {cylinders} {kind}, {engine.strokes}-stroke, bore x stroke "
         f"{length.number(engine.bore, digits)} x {length.number(engine.stroke, digits)} "
         f"{length.name}; runs from "
         f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name} (mean piston "
@@ -406,21 +397,6 @@ def _arrangement_parts(
     )
 
 
-def _cylinders(count: int) -> str:
-    return "1 cylinder" if count == 1 else f"{count} cylinders"
-
-
 def _digits(unit: OutputUnit) -> int:
     """Digits of a given length: all of them, and five if it was converted."""
     return 5 if unit.wished else 6
-
-
-def _dimension_table(dimensions: "Sequence[Dimension]", units: OutputUnits, title: str) -> Table:
-    return Table.of_records(
-        title,
-        dimensions,
-        (Column("dimension", words=True), "name"),
-        (Column("symbol", words=True), "symbol"),
-        (Column("", "mm", _digits(units.of("mm"))), "value"),
-        (Column("meaning", words=True), "meaning"),
-    )
