@@ -229,15 +229,11 @@ def is_symmetric(throw: Superelement) -> bool:
     across_crank = np.diag(np.tile(MIRROR_X, 2))
     across_middle = np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag(MIRROR_Z))
     size = np.sqrt(np.diag(throw.stiffness))
-    return all(
-        bool(
-            np.all(
-                np.abs(mirror @ throw.stiffness @ mirror.T - throw.stiffness)
-                <= SYMMETRIC * np.outer(size, size)
-            )
-        )
-        for mirror in (across_crank, across_middle)
-    )
+    for mirror in (across_crank, across_middle):
+        change = np.abs(mirror @ throw.stiffness @ mirror.T - throw.stiffness)
+        if not np.all(change <= SYMMETRIC * np.outer(size, size)):
+            return False
+    return True
 
 
 def compliance(throw: Superelement, quantity: Compliance, support: Support) -> float:

@@ -217,7 +217,8 @@ def stress_fields(mesh: ThrowMesh, throw: CrankThrow, material: Material) -> Str
     finally:
         shared.close()
     whole = checked_superelement(classes, radial_directions(throw), mesh)
-    scale = _scales(mesh.length)
+    # Comparable end motions: rotations times the throw's length.
+    scale = np.tile([1.0] * 3 + [1.0 / mesh.length] * 3, 2)
     values, motions = np.linalg.eigh(scale[:, None] * whole.stiffness * scale)
     # Motions of unit strain energy: end loads do the amplitude as work on them.
     unit = scale[:, None] * motions[:, -STRAINING:] / np.sqrt(values[-STRAINING:])
@@ -263,8 +264,3 @@ def _places(
             sizes = 2.0 * journal.radius, hole.radius
             places.append((outlet.name, "oil hole", *sizes, outlet.holds(points)))
     return places
-
-
-def _scales(length: float) -> Array:
-    """Sizes (12,) of comparable end motions: rotations times the throw's length."""
-    return np.tile([1.0] * 3 + [1.0 / length] * 3, 2)

@@ -175,7 +175,12 @@ def surface_stress(
     strains = np.concatenate([at_corners, at_middles])
     normals = np.concatenate([normals, middle_normals])
     nodes = np.concatenate([corners, middles])
-    return SurfaceStress(nodes, _plane_stress(strains, normals, material), normals)
+    # No force acts on the surface.
+    modulus, ratio = material.youngs_modulus, material.poisson_ratio
+    plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
+    spread = np.trace(strains, axis1=2, axis2=3)[..., None, None] * plane[:, None]
+    stress = modulus / (1.0 + ratio) * (strains + ratio / (1.0 - ratio) * spread)
+    return SurfaceStress(nodes, as_components(stress), normals)
 
 
 @dataclass(frozen=True)
@@ -300,15 +305,6 @@ def _planes(frames: Array, strains: Array) -> Array:
     local[..., 0, 1] = local[..., 1, 0] = strains[..., 2]
     tangents = frames[:, None, :2]
     return np.asarray(tangents.swapaxes(2, 3) @ local @ tangents)
-
-
-def _plane_stress(strains: Array, normals: Array, material: Material) -> Array:
-    """Stresses (s, k, 6) of tangential strains (s, k, 3, 3) where no force acts on the surface."""
-    modulus, ratio = material.youngs_modulus, material.poisson_ratio
-    plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
-    spread = np.trace(strains, axis1=2, axis2=3)[..., None, None] * plane[:, None]
-    stress = modulus / (1.0 + ratio) * (strains + ratio / (1.0 - ratio) * spread)
-    return as_components(stress)
 
 
 # Elements grow by this much per unit of distance from where they are small.
@@ -576,31 +572,32 @@ def under_unit_loads(
     parts : sequence of CondensedClass
         At least those that the loads excite, with rigid or averaged sections, not corrected.
     """
-    shares = tuple(
-        (part.symmetry, np.stack([_field(part, load) for load in loads], axis=-1)) for part in parts
+    shares = []
+    for part in parts:
+        fields = []
+        for load in loads:
+            if not _excites(load, part.symmetry):
+                fields.append(np.zeros(part.fields.shape[:2]))
+                continue
+            work = load.ends @ part.symmetry.ends
+            if load.pin is not None:
+                work = work + part.pin_loads[load.pin, :, :3] @ load.direction
+            field = part.fields @ unit_response(part, "pinned", work)
+            if load.pin is not None:
+                pins, components = part.pin_components.T
+                on_it = (pins == load.pin) & (components < 3)
+                field = field + part.pin_fields[:, :, on_it] @ load.direction[components[on_it]]
+            fields.append(field)
+        shares.append((part.symmetry, np.stack(fields, axis=-1)))
+    return LoadedThrow(
+        mesh, material, tuple(loads), tuple(shares), parts[0].solver, parts[0].end_sections
     )
-    return LoadedThrow(mesh, material, tuple(loads), shares, parts[0].solver, parts[0].end_sections)
 
 
 def _excites(load: UnitLoad, symmetry: SymmetryClass) -> bool:
     """Whether a load does work on any motion of a class."""
     on_pin = load.pin is not None and np.any(load.direction[symmetry.central_motions[:3]])
     return bool(on_pin or np.any(load.ends @ symmetry.ends))
-
-
-def _field(part: CondensedClass, load: UnitLoad) -> Array:
-    """Displacement (n, 3) of the meshed part in a class under a load [m]."""
-    if not _excites(load, part.symmetry):
-        return np.zeros(part.fields.shape[:2])
-    work = load.ends @ part.symmetry.ends
-    if load.pin is not None:
-        work = work + part.pin_loads[load.pin, :, :3] @ load.direction
-    field = part.fields @ unit_response(part, "pinned", work)
-    if load.pin is not None:
-        pins, components = part.pin_components.T
-        on_it = (pins == load.pin) & (components < 3)
-        field = field + part.pin_fields[:, :, on_it] @ load.direction[components[on_it]]
-    return np.asarray(field)
 
 
 # Allowed: size beside the fillet's radius, layers beside a, elements across the web.

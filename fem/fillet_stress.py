@@ -420,17 +420,13 @@ class _FilletRefinementLevel:
 
     def badly_read(self, sites: Sequence[Site]) -> NDArray[np.bool_]:
         """Fillets and loads of UR M53 (sites, k) at which elements differ more than it allows."""
-        return np.array(
-            [
-                [
-                    isinstance(site, Fillet)
-                    and load.kind in RULE_LOADS
-                    and not self.peak(number, column, np.zeros_like(self.largest[0]))["quality"].met
-                    for column, load in enumerate(self.loaded.loads)
-                ]
-                for number, site in enumerate(sites)
-            ]
-        )
+        errors = np.zeros_like(self.largest[0])
+        badly = np.zeros(errors.shape, dtype=bool)
+        for number, site in enumerate(sites):
+            for column, load in enumerate(self.loaded.loads):
+                if isinstance(site, Fillet) and load.kind in RULE_LOADS:
+                    badly[number, column] = not self.peak(number, column, errors)["quality"].met
+        return badly
 
     def peak(
         self, number: int, column: int, errors: Array, at_hole: bool = False

@@ -337,17 +337,12 @@ def effectivity_slope(
     mesh: ThrowMesh, part: CondensedClass, adjoint: ErrorAdjoint, slope: "ClassSlopes", step: float
 ) -> float:
     """Derivative of the effectivity of estimated errors, over a step of the dimension either way."""
-    low, high = (
-        effectivity(
-            mesh,
-            axial_share(
-                replace(part, stiffness=part.stiffness + change * slope.stiffness),
-                adjoint.energies + change * slope.energies,
-            ),
-        )
-        for change in (-step, step)
-    )
-    return (high - low) / (2.0 * step)
+    ends = []
+    for change in (-step, step):
+        changed = replace(part, stiffness=part.stiffness + change * slope.stiffness)
+        share = axial_share(changed, adjoint.energies + change * slope.energies)
+        ends.append(effectivity(mesh, share))
+    return (ends[1] - ends[0]) / (2.0 * step)
 
 
 def mass_slopes(mesh: ThrowMesh, velocities: Sequence[Array]) -> list[tuple[float, float]]:

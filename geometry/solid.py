@@ -115,7 +115,19 @@ def drilled_journal(
 def _drilled(gmsh: Any, journal: Cylinder, holes: Sequence[Drilling], solid: Entity) -> Entity:
     """Cut holes out of a journal and round their exits."""
     occ = gmsh.model.occ
-    made, _ = occ.cut([solid], [_tool(occ, journal, hole) for hole in holes])
+    tools = []
+    length = journal.end - journal.start
+    for hole in holes:
+        # The volume cut by the drill, and a little space around the journal.
+        reach = 2.0 * hole.journal_radius / np.cos(hole.tilt)
+        start = -reach if hole.through else hole.inner_end
+        low, way = hole.middle + start * hole.frame[2], (reach - start) * hole.frame[2]
+        drill = (3, occ.addCylinder(*low.tolist(), *way.tolist(), hole.radius))
+        place = (*hole.axis, journal.start - length, 0.0, 0.0, 3.0 * length)
+        around = (3, occ.addCylinder(*place, BEYOND * hole.journal_radius))
+        made, _ = occ.intersect([drill], [around])
+        tools.append(_only_volume(made))
+    made, _ = occ.cut([solid], tools)
     solid = _only_volume(made)
     radii: dict[int, float] = {}
     occ.synchronize()
@@ -159,19 +171,6 @@ def on_drilling(gmsh: Any, parts: ThrowParts, kind: str, tag: int, point: ArrayL
         if kind not in ("Cylinder", "Plane", "Torus") and off[0] < widest:
             return True
     return False
-
-
-def _tool(occ: Any, journal: Cylinder, hole: Drilling) -> Entity:
-    """The volume cut by the drill, and a little space around the journal."""
-    reach = 2.0 * hole.journal_radius / np.cos(hole.tilt)
-    start = -reach if hole.through else hole.inner_end
-    low, way = hole.middle + start * hole.frame[2], (reach - start) * hole.frame[2]
-    drill = (3, occ.addCylinder(*low.tolist(), *way.tolist(), hole.radius))
-    length = journal.end - journal.start
-    start, radius = journal.start - length, BEYOND * hole.journal_radius
-    around = (3, occ.addCylinder(*hole.axis, start, 0.0, 0.0, 3.0 * length, radius))
-    made, _ = occ.intersect([drill], [around])
-    return _only_volume(made)
 
 
 def _places(

@@ -169,10 +169,19 @@ class _Entities:
     def __init__(self, text: str) -> None:
         self._records: dict[int, str] = {}
         self.last_read = 0
-        for statement in _statements(text):
-            record_match = RECORD.match(statement)
-            if record_match:
-                self._records[int(record_match[1])] = record_match[2]
+        pieces: list[str] = []
+        begin = 0
+        # Statements end at semicolons outside strings; comments are left out.
+        for token in STATEMENT_TOKEN.finditer(text):
+            if token[0].startswith("'"):
+                continue
+            pieces.append(text[begin : token.start()])
+            begin = token.end()
+            if token[0] == ";":
+                record_match = RECORD.match("".join(pieces).strip())
+                if record_match:
+                    self._records[int(record_match[1])] = record_match[2]
+                pieces = []
 
     def of_kind(self, *keywords: str) -> Iterator[int]:
         """Numbers of the entities of these types; of a compound one the first type counts."""
@@ -193,20 +202,6 @@ class _Entities:
         if len(values) == 1 and isinstance(values[0], list):
             values = values[0]
         return {value[0]: value[1] for value in values if isinstance(value, tuple)}
-
-
-def _statements(text: str) -> Iterator[str]:
-    """Split at semicolons outside strings, without comments."""
-    pieces: list[str] = []
-    begin = 0
-    for token in STATEMENT_TOKEN.finditer(text):
-        if token[0].startswith("'"):
-            continue
-        pieces.append(text[begin : token.start()])
-        begin = token.end()
-        if token[0] == ";":
-            yield "".join(pieces).strip()
-            pieces = []
 
 
 def _values(tokens: list[str], place: int) -> tuple[list[Any], int]:

@@ -53,15 +53,29 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
     for thickness, pin in zip(thicknesses, [*pins, None], strict=True):
         edges.append((z, z + thickness))
         z += thickness + (0.0 if pin is None else _given(pin.length))
-    cylinders = (
-        _journal(throw, LEFT_JOURNAL, axes[0], 0.0, *edges[0]),
-        *(
-            _pin(pin, axis, number, *edges[number : number + 2])
-            for number, (pin, axis) in enumerate(zip(pins, axes, strict=True))
-        ),
-        _journal(throw, RIGHT_JOURNAL, axes[-1], edges[-1][1] + throw.main_journal_length / 2.0,
-                 *edges[-1][::-1]),
-    )  # fmt: skip
+    cylinders = [_journal(throw, LEFT_JOURNAL, axes[0], 0.0, *edges[0])]
+    for number, (pin, axis) in enumerate(zip(pins, axes, strict=True)):
+        before, after = edges[number : number + 2]
+        fillet = _given(pin.fillet_radius)
+        share = 1.0 + _given(pin.bore_offset) / _given(pin.crank_radius)
+        cylinders.append(
+            Cylinder(
+                name="pin" if number == 0 else f"pin {number + 1}",
+                axis=axis,
+                radius=_given(pin.diameter) / 2.0,
+                start=before[1],
+                end=after[0],
+                # Where a web has no thickness, there is no fillet.
+                start_fillet=fillet if before[1] > before[0] else 0.0,
+                end_fillet=fillet if after[1] > after[0] else 0.0,
+                bore_radius=_given(pin.bore) / 2.0,
+                bore_axis=(axis[0] * share, axis[1] * share),
+                bore_start=before[0],
+                bore_end=after[1],
+            )
+        )
+    length = edges[-1][1] + throw.main_journal_length / 2.0
+    cylinders.append(_journal(throw, RIGHT_JOURNAL, axes[-1], length, *edges[-1][::-1]))
     webs = [_end_web(throw, "left_web", *edges[0], axes[0], cylinders[:2], -1.0)]
     for number, pin in enumerate(pins[1:], start=2):
         width = _given(pin.web_width)
@@ -69,7 +83,7 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
         outline = obround(width, width / 2.0, width / 2.0, math.dist(first, second))
         webs.append(WebPlate(f"web {number}", *edges[number - 1], first, second, outline))
     webs.append(_end_web(throw, "right_web", *edges[-1], axes[-1], cylinders[-2:], 1.0))
-    return ThrowParts(cylinders, tuple(webs), _drillings(throw, cylinders))
+    return ThrowParts(tuple(cylinders), tuple(webs), _drillings(throw, cylinders))
 
 
 def pin_tables(throw: ThrowDimensions) -> list[FurtherPin]:
@@ -146,31 +160,6 @@ def _journal(
         bore_axis=(x * offset, y * offset),
         bore_start=min(end, far_face),
         bore_end=max(end, far_face),
-    )
-
-
-def _pin(
-    pin: FurtherPin,
-    axis: Point,
-    number: int,
-    before: tuple[float, float],
-    after: tuple[float, float],
-) -> Cylinder:
-    """A crankpin between two webs; where one has no thickness, there is no fillet."""
-    fillet = _given(pin.fillet_radius)
-    share = 1.0 + _given(pin.bore_offset) / _given(pin.crank_radius)
-    return Cylinder(
-        name="pin" if number == 0 else f"pin {number + 1}",
-        axis=axis,
-        radius=_given(pin.diameter) / 2.0,
-        start=before[1],
-        end=after[0],
-        start_fillet=fillet if before[1] > before[0] else 0.0,
-        end_fillet=fillet if after[1] > after[0] else 0.0,
-        bore_radius=_given(pin.bore) / 2.0,
-        bore_axis=(axis[0] * share, axis[1] * share),
-        bore_start=before[0],
-        bore_end=after[1],
     )
 
 

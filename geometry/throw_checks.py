@@ -404,14 +404,30 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
     """
     _check_proportions(throw, parts)
     _check_outlines(throw)
-    seats = _seats(parts)
+    # The two cylinders beside each web, with the distances of their axes from its outline.
+    seats = [
+        [
+            (cylinder, web.outline.distance(0.0 if cylinder.axis == web.foot else web.distance))
+            for cylinder in parts.cylinders[place : place + 2]
+        ]
+        for place, web in enumerate(parts.webs)
+    ]
     for place, web in enumerate(parts.webs):
         before, after = parts.cylinders[place : place + 2]
         if web.end == web.start:
             _check_split_pin(web, before, after)
             continue
         for cylinder, reach in seats[place]:
-            _check_seat(throw, parts, web, cylinder, reach)
+            # A journal must be within its web, whose edge keeps a minimum distance from its axis.
+            # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
+            limit = 2.0 * reach / (1.0 if _fillet_on(web, cylinder) > 0.0 else 1.0 + SMALLEST_LEDGE)
+            if 2.0 * cylinder.radius > limit:
+                raise dimension_error(
+                    cylinder_field(throw, parts, cylinder, "diameter"),
+                    2.0 * cylinder.radius,
+                    f"at most {in_mm(limit)} with a web width of {in_mm(web.outline.width)}",
+                    f"or the {label(cylinder)} would stand outside the {web_label(throw, web)}",
+                )
         if 1e-9 * web.outline.width < web.distance < SMALLEST_PIN_STEP * 2.0 * after.radius:
             raise InputError(
                 f"throw.further_pins: given pins whose axes are {in_mm(web.distance)} apart; allowed is 0 or "
@@ -552,32 +568,6 @@ def _check_absent(field: str, value: float | None, outline: str) -> None:
         article = "an" if outline[0] in "aeiou" else "a"
         reason = f"because {article} {outline} web has no {what}"
         raise dimension_error(field, value, "only 0", reason)
-
-
-def _seats(parts: ThrowParts) -> list[list[tuple[Cylinder, float]]]:
-    """The two cylinders adjacent to each web, with the distances of their axes from its outline [m]."""
-    return [
-        [
-            (cylinder, web.outline.distance(0.0 if cylinder.axis == web.foot else web.distance))
-            for cylinder in parts.cylinders[place : place + 2]
-        ]
-        for place, web in enumerate(parts.webs)
-    ]
-
-
-def _check_seat(
-    throw: ThrowDimensions, parts: ThrowParts, web: WebPlate, cylinder: Cylinder, reach: float
-) -> None:
-    """A journal must be within its web, whose edge keeps a minimum distance from its axis."""
-    # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
-    limit = 2.0 * reach / (1.0 if _fillet_on(web, cylinder) > 0.0 else 1.0 + SMALLEST_LEDGE)
-    if 2.0 * cylinder.radius > limit:
-        raise dimension_error(
-            cylinder_field(throw, parts, cylinder, "diameter"),
-            2.0 * cylinder.radius,
-            f"at most {in_mm(limit)} with a web width of {in_mm(web.outline.width)}",
-            f"or the {label(cylinder)} would stand outside the {web_label(throw, web)}",
-        )
 
 
 def _fillet_on(web: WebPlate, cylinder: Cylinder) -> float:

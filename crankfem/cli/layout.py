@@ -129,15 +129,14 @@ def _in_columns(
             [""] * (most - len(part)) + part if bottom else part + [""] * (most - len(part))
             for part in parts
         ]
-        return [
-            gap.join(
+        lines = []
+        for line in zip(*filled, strict=True):
+            aligned = (
                 cell.ljust(room) if is_left else cell.rjust(room)
                 for cell, room, is_left in zip(line, widths, left, strict=True)
             )
-            .rstrip()
-            .replace(TIED, " ")
-            for line in zip(*filled, strict=True)
-        ]
+            lines.append(gap.join(aligned).rstrip().replace(TIED, " "))
+        return lines
 
     rule = "-" * (sum(widths) + len(gap) * (len(widths) - 1))
     body = [(line, "") for row in zip(*cells, strict=True) for line in written(row)]

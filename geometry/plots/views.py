@@ -343,8 +343,17 @@ def dimension_end(view: View, parts: ThrowParts) -> None:
     _dimension_pins(view, parts, reach)
     heights, more = _end_distances(view, parts)
     callouts += more
-    widths, more = _widths(view, webs)
-    callouts += more
+    # Above (1) and below (-1) the view if the webs stand upright, or beside it.
+    widths: dict[int, list[Linear]] = {1: [], -1: []}
+    for web, who in distinct_values(webs, lambda w: millimeters(w.outline.width)):
+        half = 0.5 * web.outline.width
+        text = view.label(f"$B$ {millimeters(web.outline.width)}", "web_width") + who
+        if web.direction[0] == 0.0:
+            y = float(place(web, 0.0, highest_full_width(web))[0, 1])
+            side = 1 if web.direction[1] > 0.0 else -1
+            widths[side].append(Linear((-half, y), (half, y), text))
+        else:
+            callouts.append(_callout(at_smaller_x(web, half, 0.5 * web.distance), text))
     # The radii of round ends are the distances to the ends, which have their names already.
     cornered = [web for web in webs if corner_texts(web) and not (view.lettered and _round(web))]
     for web, who in distinct_values(cornered, lambda w: list(corner_texts(w))):
@@ -389,22 +398,6 @@ def _end_distances(view: View, parts: ThrowParts) -> tuple[list[list[Linear]], l
             lane = lanes[0 if web is parts.webs[0] else 1]
             lane.append(Linear((start, sign * axis), stop, text + who))
     return lanes, callouts
-
-
-def _widths(view: View, webs: Sequence[WebPlate]) -> tuple[dict[int, list[Linear]], list[Callout]]:
-    """Widths of the webs: above (1) and below (-1) the view if they stand upright, or beside it."""
-    across: dict[int, list[Linear]] = {1: [], -1: []}
-    callouts = []
-    for web, who in distinct_values(webs, lambda w: millimeters(w.outline.width)):
-        half = 0.5 * web.outline.width
-        text = view.label(f"$B$ {millimeters(web.outline.width)}", "web_width") + who
-        if web.direction[0] == 0.0:
-            y = float(place(web, 0.0, highest_full_width(web))[0, 1])
-            side = 1 if web.direction[1] > 0.0 else -1
-            across[side].append(Linear((-half, y), (half, y), text))
-        else:
-            callouts.append(_callout(at_smaller_x(web, half, 0.5 * web.distance), text))
-    return across, callouts
 
 
 def _callout(point: Point, text: str) -> Callout:

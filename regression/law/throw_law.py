@@ -876,16 +876,16 @@ class LawAnswers:
             iter(rows if self.shape else rows[:, 0].tolist()) for rows in (values, widths)
         )
         nearest = "" if self.shape else _nearest(self.ratios)
-        shared = {"tier": self.tier, "nearest_limit": nearest}
-        return [
-            {
-                name: next(every) / (self.modulus * self.diameter**power if power else 1.0)
-                for name, (_, power) in kind.items()
-            }
-            | {"errors": {name: next(errors) for name in kind}}
-            | shared
-            for kind in kinds
-        ]
+        results = []
+        for kind in kinds:
+            fields: dict[str, Any] = {}
+            for name, (_, power) in kind.items():
+                scale = self.modulus * self.diameter**power if power else 1.0
+                fields[name] = next(every) / scale
+            fields |= {"errors": {name: next(errors) for name in kind}}
+            fields |= {"tier": self.tier, "nearest_limit": nearest}
+            results.append(fields)
+        return results
 
 
 def _of_plain(
