@@ -257,9 +257,9 @@ def write_text(path: Path, text: str, kind: Kind, *, recognized: Recognized | No
     return path
 
 
-def copy_file(source: Path, path: Path, kind: Kind) -> Path:
-    """Copy a file as `atomic_file` does, and return the path of the copy."""
-    with atomic_file(path, kind) as part:
+def copy_picture(source: Path, path: Path) -> Path:
+    """Copy a picture as `atomic_file` does, and return the path of the copy."""
+    with atomic_file(path, "picture") as part:
         part.write_bytes(source.read_bytes())
     return path
 
@@ -273,9 +273,9 @@ def write_errors(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
 
 
-def write_user_file(path: Path, content: bytes, kind: Kind) -> None:
-    """Write a user's file: it is not listed, and so never replaced again."""
-    with _atomic_replacement(path, lambda _: check_output(path, kind)) as part:
+def write_user_file(path: Path, content: bytes) -> None:
+    """Write an input file of the user: it is not listed, and so never replaced again."""
+    with _atomic_replacement(path, lambda _: check_output(path, "input file")) as part:
         part.write_bytes(content)
 
 

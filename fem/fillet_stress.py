@@ -390,7 +390,7 @@ class _FilletRefinementLevel:
         sites: Sequence[Site],
         loads: NDArray[np.bool_],
         fineness: float,
-        webs: Sequence[WebPlate] = (),
+        webs: Sequence[WebPlate],
     ) -> tuple[SizeMap, float]:
         """Sizes of a mesh that is finer where stresses are high, and its fineness.
 

@@ -761,7 +761,7 @@ SMALLEST_ENERGY = 1e-7
 RIGID_MOTIONS = 6
 
 
-def rigid_body_motions(count: int = 12) -> Array:
+def rigid_body_motions(count: int) -> Array:
     """Return the rigid-body motions (count, 6) of two end sections, rotations as length x angle.
 
     `count` is 12, or 12 + 2 b where sections bend; then these do not.

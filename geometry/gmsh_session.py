@@ -91,21 +91,19 @@ def load_gmsh() -> Any:
             "The Python package gmsh is missing; install it with: pip install gmsh"
         ) from None
     except OSError as error:
-        raise MissingLibraryError(missing_library_advice("gmsh", str(error))) from None
+        raise MissingLibraryError(missing_library_advice(str(error))) from None
     return gmsh
 
 
-def missing_library_advice(package: str, loader_message: str) -> str:
+def missing_library_advice(loader_message: str) -> str:
     """Turn the loader's error about a shared library into installation advice."""
     file_name = re.search(r"lib[\w+-]+\.so[.\d]*", loader_message)
     library = file_name.group(0) if file_name else "a system library"
     debian = DEBIAN_PACKAGES.get(library)
     if debian is None:
-        return (
-            f"{package} cannot load {library} ({loader_message}); install the package that has it."
-        )
+        return f"gmsh cannot load {library} ({loader_message}); install the package that has it."
     return (
-        f"{package} needs the system library {library}; on Debian or Ubuntu install it with: "
+        f"gmsh needs the system library {library}; on Debian or Ubuntu install it with: "
         f"apt-get install {debian}"
     )
 

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Protocol, Self
 
 from crankbase.errors import MissingLibraryError, RenderError
-from crankbase.outputs import copy_file
+from crankbase.outputs import copy_picture
 from crankbase.processes import scratch_folder
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.throw.pictures.drawing import write_drawing
@@ -165,7 +165,7 @@ class Renderings:
 def _move(job: _Job, folder: Path) -> None:
     job.renderer.wait()
     for name in job.files.values():
-        copy_file(job.folder / name, folder / name, "picture")
+        copy_picture(job.folder / name, folder / name)
 
 
 def _throw(error: Exception) -> None:

@@ -729,14 +729,12 @@ def axial_formula(
     return _evaluate(formula, variant, case)
 
 
-def axial_formula_faults(
-    throw: CrankThrow, variant: str, gamma_deg: float = 180.0
-) -> dict[str, str]:
-    """Why `axial_formulas` leaves formulas out, by name in half a sentence each.
+def axial_formula_faults(throw: CrankThrow, variant: str) -> dict[str, str]:
+    """Why `axial_formulas` leaves formulas out, at any angle, by name in half a sentence each.
 
     Arguments and errors as there.
     """
-    case = _case(throw, gamma_deg, None, None)
+    case = _case(throw, 180.0, None, None)
     _check_variant(variant)
     faults = {
         name: _fault(name, formula, variant, case) for name, formula in AXIAL_FORMULAS.items()

@@ -19,7 +19,7 @@ from crankbase.outputs import (
     LISTED,
     atomic_file,
     check_output,
-    copy_file,
+    copy_picture,
     files_listed,
     protected,
     recording_run_files,
@@ -288,15 +288,15 @@ def test_only_a_run_takes_a_runs_place(file):
 
 
 def test_what_is_handed_over_is_the_users(file):
-    write_user_file(file, b"a template", "input file")
+    write_user_file(file, b"a template")
     assert names(file.parent) == ["a.csv"]
     with pytest.raises(InputError, match="crankfem has not made it"):
-        write_user_file(file, b"another", "input file")
+        write_user_file(file, b"another")
 
 
 def test_a_copy_is_written_like_any_file(file, tmp_path):
     (tmp_path / "from").write_bytes(b"\x00\xff")
-    copy_file(tmp_path / "from", file, "picture")
+    copy_picture(tmp_path / "from", file)
     assert file.read_bytes() == b"\x00\xff"
 
 

@@ -165,7 +165,7 @@ def new(
         )
         if drawing is not None:
             throw = template_throw(text)
-        write_user_file(file, text.encode(), "input file")
+        write_user_file(file, text.encode())
     else:
         for option, value in (
             ("--cylinders", cylinders),
@@ -189,7 +189,7 @@ def new(
                 f"--drawing: given with a {kind} file; allowed is a file with a throw, because that is drawn."
             )
         check_writable(file, "input file", copied.path)
-        write_user_file(file, copied.path.read_bytes(), "input file")
+        write_user_file(file, copied.path.read_bytes())
     command = f"crankfem {NEXT[kind]} {file}"
     if drawing is not None and throw is not None:
         write_drawing(throw, drawing, file.stem, lettered=True)

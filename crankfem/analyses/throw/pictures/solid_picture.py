@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.outputs import copy_file
+from crankbase.outputs import copy_picture
 from crankbase.processes import scratch_folder
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import (
@@ -269,7 +269,7 @@ def _write(
     with scratch_folder() as folder:
         OffscreenProcess(f"{__name__}:render", folder, surface, np.array(view), pixels).wait()
         try:
-            copy_file(folder / PICTURE, path, "picture")
+            copy_picture(folder / PICTURE, path)
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path

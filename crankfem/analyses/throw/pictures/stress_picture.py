@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.outputs import check_output, copy_file
+from crankbase.outputs import check_output, copy_picture
 from crankbase.processes import scratch_folder
 from crankbase.quantity import UNITS
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
@@ -155,7 +155,7 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:
-                copy_file(scratch / name, folder / name, "picture")
+                copy_picture(scratch / name, folder / name)
         except OSError as error:
             raise InputError(f"{folder}: cannot be written ({error.strerror or error}).") from None
     return tuple(folder / name for name in names)
