@@ -57,11 +57,16 @@ def summarized(
         declared.append((label if colon else path.rpartition(".")[2], path, unit.removesuffix("]")))
 
     def rows(result: object) -> dict[str, str]:
-        texts = (
-            (label, _value(_at(result, path), unit or (unit_of(result, path) if unit_of else "")))
-            for label, path, unit in declared
-        )
-        return {label: text for label, text in texts if text}
+        texts = {}
+        for label, path, unit in declared:
+            value: Any = result
+            for name in path.split("."):
+                # What is internal is not there in a result that is read from a file.
+                value = getattr(value, name, None)
+            text = _value(value, unit or (unit_of(result, path) if unit_of else ""))
+            if text:
+                texts[label] = text
+        return texts
 
     def __repr__(self: object) -> str:  # noqa: N807 - these become methods
         return summary_text(
@@ -113,13 +118,6 @@ def summary_html(name: str, rows: Mapping[str, str]) -> str:
         for label, text in rows.items()
     )
     return f"<table><caption>{escape(name)}</caption>{body}</table>"
-
-
-def _at(value: Any, path: str) -> Any:
-    for name in path.split("."):
-        # What is internal is not there in a result that is read from a file.
-        value = getattr(value, name, None)
-    return value
 
 
 def _value(value: Any, unit: str) -> str:

@@ -126,11 +126,6 @@ class ImportedThrow:
         return self.cylinders[1:-1]
 
     @property
-    def journal_radii(self) -> tuple[float, float]:
-        """Of the main journals at the left and the right end [m]."""
-        return self.cylinders[0].radius, self.cylinders[-1].radius
-
-    @property
     def pin_axes(self) -> tuple[tuple[float, float], ...]:
         """Positions (x, y) of the pins' axes [m]."""
         return tuple(pin.axis for pin in self.pins)

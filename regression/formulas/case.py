@@ -111,7 +111,7 @@ class FormulaValue(Result):
     name: str = ""
 
 
-def formulas_to_pandas(found: Mapping[str, FormulaValue]) -> Any:
+def formulas_to_pandas(formulas: Mapping[str, FormulaValue]) -> Any:
     """Return a table of the results of the published formulas.
 
     Parameters
@@ -130,11 +130,11 @@ def formulas_to_pandas(found: Mapping[str, FormulaValue]) -> Any:
     MissingLibraryError
         If pandas is not installed.
     """
-    values = list(found.values())
+    values = list(formulas.values())
     units = " or ".join(dict.fromkeys(value.unit for value in values))
     return table(
         {
-            "formula": (list(found), ""),
+            "formula": (list(formulas), ""),
             "value": ([value.value for value in values], units),
             "valid": ([value.valid for value in values], ""),
             "variant": ([value.variant for value in values], ""),
