@@ -27,6 +27,7 @@ from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.satellites import satellite_files
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
 from file_fields import FILES, toml_text
+from satellite_cases import of_satellites
 
 SHARE = 0.03
 ROUND_OFF = 1e-7
@@ -296,21 +297,6 @@ def vibration(file: Path) -> Answer:
     )
 
 
-def submission(file: Path) -> Answer:
-    """Sentences and tables of the class document."""
-    from crankfem.analyses.submission.document import check_submission, class_document
-
-    run = vibration_of(file)
-    check_submission(run.engine_file)
-    parts = class_document(run)
-    # By columns: values of one quantity are the same but for round-off of the largest of them.
-    content = [
-        [part.sentences, [[*map(list, zip(*item.table.rows, strict=True))] for item in part.tables]]
-        for part in parts
-    ]
-    return Answer(json.loads(json.dumps(content, default=str)), named_by(file, "class"))
-
-
 def rest_of_run(file: Path) -> Answer:
     """What a run has beside vibration and mechanism; its study is planned, not run."""
     from crankfem.analyses.mechanism.two_masses import checked
@@ -365,7 +351,7 @@ DOORS: dict[str, tuple[str | Door, ...]] = {
     "optimum, torsional": ("engine", frequency("torsional")),
     "vibration": ("engine", modes, forced),
     "vibration --coupled": ("engine", modes, forced, coupled),
-    "class": ("engine", torsional(modes), submission),
+    **{name: ("engine", torsional(modes), door) for name, door in of_satellites("DOORS").items()},
     "run": ("engine", modes, command("mechanism", "FILE"), forced, coupled, rest_of_run),
     "stress": ("engine", command("stress", "FILE", "--accuracy", "0.2")),
     **{kind: (kind, command(own.command, "FILE")) for kind, own in satellite_files().items()},

@@ -27,7 +27,7 @@ from crankfem.files.engine.used_values import USES, not_used
 from crankfem.files.engine.usual_parts import POISSON, first_nodes, near_angles, study_warnings
 from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
-from crankfem.files.satellites import at_place, satellite_files
+from crankfem.files.satellites import at_place, satellite_files, uses_of_satellites
 from crankfem.files.sections.crank_throws import PLAIN, ShaftLayout
 from crankfem.files.sections.engine_sections import Engine, ThrustBearing
 from dynamics.chains.coupling_damping import in_all_conventions
@@ -174,7 +174,8 @@ def check_file(given: str | TomlFile) -> CheckedFile:
     checked = _checked(given, content)
     if content is None:
         return checked
-    unused = {name: not_used(content, name) for name in checked.commands if name in USES}
+    used = {*USES, *uses_of_satellites()}
+    unused = {name: not_used(content, name) for name in checked.commands if name in used}
     return replace(checked, not_used=unused)
 
 
@@ -348,8 +349,14 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
             "crankfem run fits the source regression; crankfem vibration needs a saved model: "
             "vibration.model, or --model MODEL.json"
         )
-    has_gas = read.gas is not None or read.gas_map is not None
-    vibration = ("vibration", "class") if has_gas else ("vibration",)
+    vibration = (
+        "vibration",
+        *(
+            name
+            for name, use in uses_of_satellites().items()
+            if use.needs & content.sections.keys()
+        ),
+    )
     model = read.model_file
     if model is not None:
         beside = "" if read.study is None else "; the section [study] is not run"

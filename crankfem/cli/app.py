@@ -87,7 +87,6 @@ COMMANDS: dict[str, dict[str, tuple[str, ...]]] = {
             "vibration mine.toml --strict --csv amplitudes",
             "vibration mwm-six",
         ),
-        "run:class_": ("class 5rt-flex50d --output submission",),
         "mechanism:two_mass": ("two-mass yamz-5340", "two-mass yamz-5340 --order 14.5"),
     },
 }

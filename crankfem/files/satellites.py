@@ -9,7 +9,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-SATELLITES = ("hinge",)
+SATELLITES = ("hinge", "class_document")
 
 
 def at_place(place: str, package: str = "crankfem.satellites") -> Any:
@@ -47,6 +47,23 @@ class FilesOfInput:
 
 
 @dataclass(frozen=True)
+class UseOfEngines:
+    """What the command of a satellite takes of engine files.
+
+    Attributes
+    ----------
+    needs : frozenset of str
+        Sections of which it needs one, beside those of a whole engine.
+    used : str
+        Place of the function that returns what it uses of a file's sections, and what not, as `USES` of
+        `crankfem.files.engine.used_values` has it.
+    """
+
+    needs: frozenset[str]
+    used: str
+
+
+@dataclass(frozen=True)
 class Plug:
     """What the core knows of a satellite.
 
@@ -61,12 +78,15 @@ class Plug:
         Arguments that work in an empty folder.
     files : FilesOfInput or None
         Files of its own.
+    engines : UseOfEngines or None
+        What the command takes of engine files, if it reads some.
     """
 
     command: str
     after: str
     examples: tuple[str, ...]
     files: FilesOfInput | None = None
+    engines: UseOfEngines | None = None
 
 
 def called(place: str) -> str:
@@ -84,3 +104,9 @@ def plugs() -> tuple[Plug, ...]:
 def satellite_files() -> dict[str, FilesOfInput]:
     """Return the files that satellites read, by kind."""
     return {plug.files.kind: plug.files for plug in plugs() if plug.files}
+
+
+@cache
+def uses_of_satellites() -> dict[str, UseOfEngines]:
+    """Return what commands of satellites take of engine files, by the command's name."""
+    return {called(plug.command): plug.engines for plug in plugs() if plug.engines}

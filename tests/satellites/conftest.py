@@ -1,1 +1,8 @@
-from test_crankfem.conftest import _own_folder, call, edit, six_cylinders, told  # noqa: F401
+from test_crankfem.conftest import (  # noqa: F401
+    _own_folder,
+    call,
+    coarse_throw,
+    edit,
+    six_cylinders,
+    told,
+)

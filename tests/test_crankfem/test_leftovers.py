@@ -16,6 +16,7 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import input_path
 from geometry.imported import import_throw
 from regression.models.compliance_model import ComplianceModel
+from satellite_cases import of_satellites
 
 DRAW = ("draw", "vw-tdi", "--shaft", "shaft.png")
 EXPORT = ("export", "vw-tdi", "throw.step")
@@ -62,7 +63,8 @@ ENDINGS = (".toml", ".json", ".sqlite", ".csv")
 LINES = [
     (name, *("PATH" for argument in arguments))
     for name, command in COMMANDS.items()
-    if name not in ("new", "export", "optimum", "class", "designs", "import", "results")
+    if name not in ("new", "export", "optimum", "designs", "import", "results")
+    and name not in of_satellites("READS")
     and (
         arguments := [
             one
@@ -75,7 +77,6 @@ LINES = [
 LINES += [
     ("export", "PATH", "throw.step"),
     ("optimum", "PATH", "--minimize", "web_thickness"),
-    ("class", "PATH", "--output", "submission"),
     ("run", "6chn25-34", "--model", "PATH"),
     ("vibration", "6chn25-34", "--model", "PATH"),
     ("mechanism", "PATH"),
@@ -84,6 +85,7 @@ LINES += [
     ("results", "PATH", "runs.csv"),
     ("doe", "6chn25-34", "--store", "PATH"),
     ("serve", "--key-file", "PATH"),
+    *of_satellites("READS").values(),
 ]
 TABLES = {
     "gas.pressure_table": ('[gas]\npressure_table = "pipe"\n', "[gas]"),

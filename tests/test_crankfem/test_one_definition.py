@@ -11,13 +11,6 @@ from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
 from crankfem.analyses.strength.cycle_loads import HIGHEST_ORDER, judged_speeds, shaft_loads
-from crankfem.analyses.submission.firing_cases import (
-    MISFIRING,
-    STRESS,
-    firing_cases,
-    heat_of,
-)
-from crankfem.analyses.submission.tables import mode_stars
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
 from dynamics.response.series import synthesis
@@ -43,7 +36,6 @@ def told(request):
         engine=engine,
         run=run,
         in_mechanism=run_mechanism(engine),
-        firing=firing_cases(run),
     )
 
 
@@ -56,9 +48,6 @@ def test_torque_power_and_pressure_at_rated_speed(told):
     work, torque = told.in_mechanism.works, told.in_mechanism.torque
     rated = at_rated(told, forces.speeds)
     assert forces.mean_torque[rated] == close(torque.mean, rel=1e-12)
-    assert told.firing.mean_torque[at_rated(told, told.firing.speeds)] == close(
-        torque.mean, rel=1e-12
-    )
     rated = at_rated(told, load.speeds)
     assert load.power[rated] == close(torque.power, rel=INTEGRALS)
     assert load.peak_pressure[rated] == close(max(own.peak_pressure for own in work), rel=1e-12)
@@ -81,7 +70,7 @@ def test_masses_and_inertias(told):
         if name in chain.nodes
     ]
     assert engine.attached_inertia == close(sum(ends), rel=1e-9)
-    # Half of what moves with the piston, and what turns with the pin, in chain and class document.
+    # Half of what moves with the piston, and what turns with the pin.
     moving = engine.piston.mass + engine.rod.mass - engine.rod.rotating_mass
     radius = 0.5 * engine.engine.stroke
     rods = engine.engine.cylinders * (engine.rod.rotating_mass + 0.5 * moving) * radius**2
@@ -134,26 +123,6 @@ def test_worst_uses_of_limits(told):
         assert check.normal.speed == close(worst.speed, rel=1e-4)
 
 
-def test_largest_stress_in_verdict_misfiring_and_class_document(told):
-    cases, elements = told.firing, told.run.forced_torsional.stress.names
-    (check,) = (
-        own
-        for own in told.run.misfiring.checks
-        if own.quantity.startswith("torsional stress of cr")
-    )
-    for (cylinder,), reached in check.each.items():
-        found = cases.failing[MISFIRING][cylinder].kept
-        worst = max((found[STRESS, name] for name in elements), key=lambda own: own.used)
-        assert (worst.place, worst.speed) == (reached.place, close(reached.speed, rel=1e-9))
-        assert worst.used == close(reached.used, rel=1e-9)
-    kept, _ = judged_speeds(told.run)
-    if np.all(kept == told.run.forced_torsional.speed_parts["running"]):
-        worst = max(
-            (cases.firing.kept[STRESS, name] for name in elements), key=lambda own: own.used
-        )
-        assert worst.used == close(check.normal.used, rel=1e-5)
-
-
 def test_torques_in_tables_strength_and_stress(told):
     forced, file = told.run.forced_torsional, told.engine
     kept, _ = judged_speeds(told.run)
@@ -188,29 +157,6 @@ def test_use_of_a_limit_by_a_peak_alone(told):
             assert peak.limit_used >= own * (1.0 - 1e-9)
 
 
-def test_heat_of_dampers(told):
-    power, loads = told.run.forced_torsional.power, told.run.forced_torsional.loads
-    chain = told.run.torsional_chain
-    for place, name in enumerate(power.dashpot_names):
-        series, size = loads.dashpots, chain.dashpots[place].damping
-        assert heat_of(series, name, (0.0, 0.0, size)) == close(
-            power.dashpots[:, :, place].sum(axis=0), rel=1e-9
-        )
-    for place, name in enumerate(power.element_names):
-        values = chain.stiffness[place], chain.loss_factor[place], chain.damping[place]
-        if any(values[1:]):
-            assert heat_of(loads.elements, name, tuple(map(float, values))) == close(
-                power.elements[:, :, place].sum(axis=0), rel=1e-9
-            )
-    running = told.run.forced_torsional.speed_parts["running"]
-    for name, (heat, _) in told.firing.firing.heat.items():
-        part, names = power.elements, power.element_names
-        if name in power.dashpot_names:
-            part, names = power.dashpots, power.dashpot_names
-        most = part[:, running, names.index(name)].sum(axis=0).max()
-        assert heat <= most * (1.0 + 1e-3)
-
-
 def test_force_on_the_thrust_bearing(told):
     engine, forced, thrust = told.engine, told.run.forced_axial, told.run.thrust
     node = forced.engine_chain.sections[engine.thrust_bearing.section_index]
@@ -222,13 +168,3 @@ def test_force_on_the_thrust_bearing(told):
     running = forced.speed_parts["running"]
     by_ground = forced.loads.ground.synthesis.amplitude[running, node].max()
     assert thrust.running.amplitude == close(by_ground, rel=1e-12)
-
-
-def test_vector_sums_of_the_cylinders(told):
-    vibration = told.run.torsional
-    rigid = vibration.chosen.modes.rigid
-    assert vibration.criticals
-    for critical in vibration.criticals:
-        stars = mode_stars(told.run, rigid + critical.mode - 1)
-        (star,) = (own for own in stars if own.order == critical.order)
-        assert critical.phase_sum == close(star.share, abs=1e-9)

@@ -26,8 +26,6 @@ from crankfem.analyses.shaft.whole_shaft import (
     whole_shaft,
     whole_shaft_remark,
 )
-from crankfem.analyses.submission.firing_cases import firing_cases
-from crankfem.analyses.submission.tables import damper_table
 from crankfem.analyses.vibration.engine_limits import (
     engine_limits,
     even_firing_interval,
@@ -216,10 +214,11 @@ def test_torques_of_the_whole_crankshaft_turn_the_masses_behind_it(six, coupled_
     assert last == close(flywheel + coupling, rel=0.02, abs=0.02 * scale)
 
 
-@pytest.mark.further
-def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibration):
-    plain, analysis = six
-    places = ("flywheel - input", "input - line damper")
+PLACES = ("flywheel - input", "input - line damper")
+
+
+def with_limited_line(plain):
+    """An engine with a coupling and a damper behind the flywheel, and limits on both."""
     line = Chain(
         [12.0, 40.0, 0.0, 0.0, 900.0, 6.0],
         [4e5, 2e7, 2.15e6],
@@ -229,10 +228,16 @@ def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibr
         dashpots=[Dashpot(1, 5, 1500.0)],
         names=["flange", "input", "pinion", "wheel", "propeller", "line damper"],
     )
-    limits = {"elements": [{"element": place, "torque": 3e3, "heat": 2e3} for place in places]}
+    limits = {"elements": [{"element": place, "torque": 3e3, "heat": 2e3} for place in PLACES]}
     bearings = {"stiffness": plain.main_bearings.stiffness}
     engine_file = plain.changed(limits=limits, bearings=bearings, misfire={"cylinders": [1]})
-    engine_file = replace(engine_file, shaft_lines={"torsional": line})
+    return replace(engine_file, shaft_lines={"torsional": line})
+
+
+@pytest.mark.further
+def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibration):
+    plain, analysis = six
+    engine_file = with_limited_line(plain)
     refuse_limits(engine_file)
     forces = coupled_vibration("6chn25-34").forced_torsional.forces
     run = engine_vibration(engine_file, analysis=analysis)
@@ -245,7 +250,7 @@ def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibr
         (chain.loads, chain.response, ring),
         (whole, coupled.total, coupled.motion("line damper rz")),
     ):
-        assert loads.dashpots.names == places[1:]
+        assert loads.dashpots.names == PLACES[1:]
         turned = 6.0 * response.angular_frequencies**2 * moved
         # Modal damping of the chain, 1/80 of critical, is in no dashpot.
         scale = np.abs(turned).max()
@@ -256,11 +261,8 @@ def test_limits_on_a_coupling_and_a_damper_behind_the_flywheel(six, coupled_vibr
             for name in ("input - pinion", "wheel - propeller")
         )
         assert before == close(-0.4 * behind, abs=1e-9 * np.abs(behind).max())
-    rows = {row[0]: row for row in damper_table(run, firing_cases(run)).rows if row[1] == "normal"}
-    assert [rows[place][4] for place in places] == [3e3, 3e3]
-    assert [rows[place][6] for place in places] == [2e3, 2e3]
     judged = {check.limit.name: check for check in run.assessment.verdict.checks}
-    for place, series in zip(places, (chain.loads.elements, chain.loads.dashpots), strict=True):
+    for place, series in zip(PLACES, (chain.loads.elements, chain.loads.dashpots), strict=True):
         check = judged[f"torque of {place}"]
         at = series.names.index(place)
         assert check.curve.name == place

@@ -1,4 +1,4 @@
-"""The main job, its report written again, and the class document."""
+"""The main job, and its report written again."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -145,42 +145,3 @@ def report(
         print_json({"report": str(made)})
     else:
         console.print_path(str(made) if out.quiet else f"Report: {made}")
-
-
-@with_output(files=True, tables=True, source="engine")
-def class_(
-    engine: EngineArgument,
-    output: Annotated[
-        str,
-        typer.Option(
-            metavar="FOLDER", help="Folder for the document, its tables as CSV and its diagrams."
-        ),
-    ],
-    strict: StrictOption = False,
-    *,
-    out: Output,
-) -> None:
-    """Write the torsional vibration document for a classification society, as HTML for A4."""
-    from crankfem.jobs.class_document import write_class_document
-
-    with console.RunProgress(out.quiet) as progress:
-        made = write_class_document(engine, output, progress)
-        progress.finish()
-    findings = made.parts[0].sentences
-    if out.json:
-        verdict = made.run.assessment
-        print_json(
-            {
-                "document": str(made.page),
-                "tables": [str(path) for path in made.tables],
-                "status": None if verdict is None else verdict.decision.status,
-                "findings": list(findings),
-            }
-        )
-    elif out.quiet:
-        console.print_path(str(made.page))
-    else:
-        first, *further = map(Main, findings)
-        out.show(further, f"Document: {made.page}", first)
-    if strict:
-        exit_unless_acceptable(made.run)

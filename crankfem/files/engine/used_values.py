@@ -11,16 +11,18 @@ from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.throw_file import tables_of_throws, unused_throws
 from crankfem.files.reading.toml_file import TomlFile
-from crankfem.files.satellites import called
+from crankfem.files.satellites import at_place, called, uses_of_satellites
 from crankfem.files.sections.crank_throws import PLAIN
 
+# Sections and fields that a command uses, and those that it does not.
+Use = tuple[tuple[str, ...], tuple[str, ...]]
 ALL = "*"
 THROW = ("throw", "throws", "shaft.throws")
 ELASTIC = ("material.youngs_modulus", "material.poisson_ratio")
 SHAFT = (*THROW, "shaft", "shaft_ends", "engine.crank_angles")
 MECHANISM = ("engine", "throws", "shaft", "rod", "piston", "hinged_rods", "gas", "load")
 RUNNING = ("engine.lowest_speed", "engine.highest_speed")
-POLES = "engine.generator_poles"
+POLES, DRIVES = "engine.generator_poles", "engine.drives"
 STUDY = (*THROW, "material", "study")
 # Only the run has results of these.
 RUN_ALONE = ("study", "torque", "two_mass_check", "strength")
@@ -52,7 +54,7 @@ UNFORCED = (
     *("gas", "gas_map", "load", "misfire", "propeller_forces", "limits", "ranges", "damping"),
     *("engine.bore", "engine.rated_speed", "engine.rated_power", "engine.firing_order"),
     *(
-        "engine.drives",
+        DRIVES,
         SKIRT,
         POLES,
         "vibration",
@@ -64,17 +66,9 @@ UNFORCED = (
 ROTATING = ("flywheel.inertia", "free_end.inertia")
 TORSIONAL_ALONE = (*ROTATING, "torsional_damper", "driven", "rod", "piston")
 AXIAL_ALONE = ("flywheel.mass", "free_end.mass", "axial_damper", "thrust_bearing")
-# What the class document, which is on torsion, takes only to judge a limit of the axial vibration.
-AXIAL_LIMITS = {"axial_amplitude", "axial_force"}
-TO_JUDGE_AXIAL = (
-    *(*AXIAL_ALONE, "damping.axial_magnifier", "vibration.axial_source", "shaft_line.axial"),
-    *("ranges.axial_compliance", "ranges.mass", "ranges.thrust_stiffness"),
-    *("propeller_forces.rated_thrust", "propeller_forces.thrust_shares"),
-    "propeller_forces.thrust_phases",
-)
 # By command, perhaps with an option that changes it: sections and fields that it uses, and that it does not.
 # The longer name decides; a name may begin with any section, "*.".
-USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+USES: Mapping[str, Use] = {
     "throw": ((*THROW, "material"), ()),
     "stress": (THROW + ELASTIC[1:], ()),
     "formulas": ((*THROW, *ELASTIC), ()),
@@ -105,7 +99,6 @@ USES: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "vibration": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, *CLASS_ALONE, SKIRT)),
     "vibration --coupled": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *CLASS_ALONE, SKIRT)),
     "vibration of a chain": ((ALL,), ("chain.dashpots", *(f"*.{name}" for name in FREE))),
-    "class": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, SKIRT)),
     "run": ((ALL,), (*CLASS_ALONE, SKIRT)),
     "optimum": ((*THROW, "material"), ()),
     "optimum of frequencies": ((ALL, "vibration.reciprocating"), UNFORCED),
@@ -155,9 +148,12 @@ def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
     """
     command, with_model, _ = command.partition(WITH_MODEL)
     key = f"{command} of a chain" if file_kind(content) == "chain" else command
-    if key not in USES:  # the command refuses the file
+    if key in uses_of_satellites():
+        used, always = at_place(uses_of_satellites()[key].used)(content)
+    elif key in USES:
+        used, always = USES[key]
+    else:  # the command refuses the file
         return ()
-    used, always = USES[key]
     without = (*always, *_without_effect(content, command, used, always))
     if with_model:
         without += ("vibration.model",)
@@ -206,10 +202,8 @@ def _without_effect(
     if {"crankshaft_stress", "tensile_strength"} & limits and not command.startswith("run"):
         yield "strength.tensile_strength"
     plant = {"driven", "shaft_line"} & fields.keys()
-    if plant and {"crankshaft_stress", "crankshaft_rule"} & limits and command != "class":
-        yield "engine.drives"  # which selects a rule, and tells what else a plant has
-    if command == "class" and not AXIAL_LIMITS & limits:
-        yield from TO_JUDGE_AXIAL
+    if plant and {"crankshaft_stress", "crankshaft_rule"} & limits and DRIVES not in used:
+        yield DRIVES  # which selects a rule, and tells what else a plant has
     if sections.get("vibration", {}).get("reciprocating", "half") == "half":
         yield from ("rod.length",) if "vibration.reciprocating" in used else ()
     for kind in ("thrust", "torque"):

@@ -11,8 +11,11 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
-from crankfem.analyses.submission.document import check_submission, class_document
-from crankfem.analyses.submission.firing_cases import (
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.chain.chain_file import load_chain
+from crankfem.files.reading.data_files import input_path
+from crankfem.satellites.class_document.document import check_submission, class_document
+from crankfem.satellites.class_document.firing_cases import (
     CUT_OUT,
     DASHPOTS,
     MISFIRING,
@@ -23,10 +26,7 @@ from crankfem.analyses.submission.firing_cases import (
     heat_factors,
     heat_of,
 )
-from crankfem.analyses.submission.tables import holzer_table
-from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.chain.chain_file import load_chain
-from crankfem.files.reading.data_files import input_path
+from crankfem.satellites.class_document.tables import holzer_table
 from dynamics.chains.chain import Chain, Dashpot
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import element_loads, power_balance
@@ -307,3 +307,16 @@ def test_sentences_for_wrong_input(call, tmp_path):
     assert "output: given ''" in call("class", "6chn25-34", "--output", "").err
     assert call("class", "mwm-six", "--output", str(tmp_path / "out")).code == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_check_tells_that_a_document_can_be_made(call, tmp_path, six_cylinders, edit):
+    assert "class" in call("check", "6chn25-34", "--json").json()["commands"]
+    path = tmp_path / "mine.toml"
+    path.write_text(edit(six_cylinders, {"[gas]": None}), encoding="utf-8")
+    commands = call("check", path, "--json").json()["commands"]
+    assert "vibration" in commands
+    assert "class" not in commands
+    path.write_text(
+        edit(six_cylinders, {"vibration.axial_source": '"regression"'}), encoding="utf-8"
+    )
+    assert "class" not in call("check", path, "--json").json()["commands"]

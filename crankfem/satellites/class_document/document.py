@@ -13,8 +13,13 @@ from crankbase.quantity import RPM, format_quantity, percent
 from crankbase.table import Column, Table
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.shaft.chains import MOTION
-from crankfem.analyses.submission import tables
-from crankfem.analyses.submission.firing_cases import (
+from crankfem.analyses.titles import short_name
+from crankfem.analyses.vibration.misfiring import permitted_at
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.limits_sections import LimitsInput
+from crankfem.satellites.class_document import tables
+from crankfem.satellites.class_document.firing_cases import (
     CUT_OUT,
     HIGHEST_SHARE,
     MEANING,
@@ -25,12 +30,7 @@ from crankfem.analyses.submission.firing_cases import (
     firing_cases,
     limit_of,
 )
-from crankfem.analyses.submission.tables import mode_stars, shown_modes
-from crankfem.analyses.titles import short_name
-from crankfem.analyses.vibration.misfiring import permitted_at
-from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.sections.limits_sections import LimitsInput
+from crankfem.satellites.class_document.tables import mode_stars, shown_modes
 from dynamics.assessment.verdict import Verdict
 from dynamics.plots.curves import quantity_display
 from dynamics.plots.harmonics import draw_star, finish_stars

@@ -17,7 +17,15 @@ from crankfem.analyses.engine_mechanism import (
     full_load_only,
     pressure_maps,
 )
-from crankfem.analyses.submission.firing_cases import (
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_limits import coupling_of
+from crankfem.analyses.vibration.misfiring import Reached
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.files.engine.mechanism_cylinders import order_named
+from crankfem.files.sections.excitation_sections import gas_map_load
+from crankfem.files.sections.limits_sections import LimitsInput
+from crankfem.files.sections.mechanism_sections import LoadSection
+from crankfem.satellites.class_document.firing_cases import (
     GEARS,
     GENERATOR,
     HIGHEST_SHARE,
@@ -29,14 +37,6 @@ from crankfem.analyses.submission.firing_cases import (
     heat_factors,
     limit_of,
 )
-from crankfem.analyses.vibration.engine_excitation import engine_harmonics
-from crankfem.analyses.vibration.engine_limits import coupling_of
-from crankfem.analyses.vibration.misfiring import Reached
-from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.files.engine.mechanism_cylinders import order_named
-from crankfem.files.sections.excitation_sections import gas_map_load
-from crankfem.files.sections.limits_sections import LimitsInput
-from crankfem.files.sections.mechanism_sections import LoadSection
 from dynamics.assessment.separation import MAJOR_READING, MAJOR_SOURCE, major_criticals
 from dynamics.assessment.verdict import Verdict
 from dynamics.chains.chain import Chain

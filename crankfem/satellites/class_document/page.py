@@ -2,17 +2,18 @@
 
 import base64
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 
 from markupsafe import Markup
 
 from crankfem.analyses.provenance import program_version
-from crankfem.analyses.submission.document import DocumentPart
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.report.engine_schematic import engine_schematic
-from crankfem.report.writing import page_environment, template_text
+from crankfem.report.writing import STYLE, page_environment, template_text
+from crankfem.satellites.class_document.document import DocumentPart
 
-TEMPLATE, STYLES = "class.html.j2", ("report/style.css", "class.css")
+TEMPLATES = files("crankfem.satellites.class_document") / "templates"
 
 
 def render_class_document(
@@ -28,9 +29,10 @@ def render_class_document(
         When, in words.
     """
     file, engine = run.engine_file, run.engine_file.engine
+    own_style = (TEMPLATES / "class.css").read_text(encoding="utf-8")
     return (
         page_environment()
-        .get_template(TEMPLATE)
+        .from_string((TEMPLATES / "class.html.j2").read_text(encoding="utf-8"))
         .render(
             engine=engine,
             file=file.path.name,
@@ -45,6 +47,6 @@ def render_class_document(
             sources=file.sources,
             created=created,
             version=program_version(),
-            style=Markup("\n".join(template_text(name) for name in STYLES)),
+            style=Markup(f"{template_text(STYLE)}\n{own_style}"),
         )
     )

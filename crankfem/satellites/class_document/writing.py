@@ -10,13 +10,17 @@ from crankbase.table import Table
 from crankfem.analyses.engine_mechanism import engine_inputs
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.provenance import provenance
-from crankfem.analyses.submission.document import DocumentPart, check_submission, class_document
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.jobs.outputs import write_rows
 from crankfem.jobs.run_files import Progress, SilentProgress, make_folders
-from crankfem.report.class_document import render_class_document
 from crankfem.report.text_filters import moment
+from crankfem.satellites.class_document.document import (
+    DocumentPart,
+    check_submission,
+    class_document,
+)
+from crankfem.satellites.class_document.page import render_class_document
 
 PAGE, TABLES, DIAGRAMS = "class.html", "class-tables", "class-diagrams"
 

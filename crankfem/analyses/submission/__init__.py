@@ -1,1 +1,0 @@
-"""The torsional vibration document for a classification society: its numbers and tables."""

@@ -1,0 +1,1 @@
+"""The torsional vibration document for a classification society."""
