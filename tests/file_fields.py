@@ -7,7 +7,7 @@ from copy import deepcopy
 from pathlib import Path
 
 from crankbase.model import field_extra, part_kind
-from crankfem.files.chain.chain_file import KINDS as CHAIN
+from crankfem.files.chain.chain_build import KINDS as CHAIN
 from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.satellites import at_place, satellite_files
@@ -19,7 +19,7 @@ FILES = {
         kind: (shipped_names(kind)[0], at_place(own.sections))
         for kind, own in satellite_files().items()
     },
-    "chain": ("geared-example", {"chain": CHAIN["torsional"]}),
+    "chain": ("geared-example", {"chain": CHAIN["torsional"].section}),
 }
 SECRET = "secret-7f3a91"
 # Sections, other than those of the shipped files, in which a field can name a file.

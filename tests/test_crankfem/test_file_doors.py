@@ -10,7 +10,7 @@ import pytest
 
 from crankbase.errors import InputError
 from crankbase.model import part_kind
-from crankfem.files.chain.chain_file import KINDS
+from crankfem.files.chain.chain_build import KINDS
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.engine.throw_file import load_throw, unused_throws
@@ -53,7 +53,9 @@ REFUSED_EVERYWHERE = {
     ),
     "torsional_damper.variation.damping": "rubber is damped by its loss factor alone",
 }
-MODELS = {name: section.model for name, section in SECTIONS.items()} | {"chain": KINDS["torsional"]}
+MODELS = {name: section.model for name, section in SECTIONS.items()} | {
+    "chain": KINDS["torsional"].section
+}
 # The full engine with a check of two masses; a chain with damping to ground.
 CHEAP = {
     **dict.fromkeys(("lookup law", "two-mass", "plan"), "yamz-5340"),

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from copy import copy
 from dataclasses import dataclass, replace
 from types import GenericAlias
-from typing import Any, ClassVar, Literal, cast
+from typing import Annotated, Any, ClassVar, Literal, cast
 
 from pydantic import Field, create_model
 
@@ -35,6 +35,7 @@ from fem.material import Material
 Numbers = float | tuple[float, ...]
 
 
+# Units of what a chain is made of.
 UNITS = {
     "torsional": {
         "inertia": "kg m^2",
@@ -44,11 +45,17 @@ UNITS = {
     },
     "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m", "flexibility": "m/N"},
 }
-# Of a piece of shaft.
-MODULI = {"torsional": "shear_modulus", "axial": "youngs_modulus"}
 INERTIA, STIFFNESS, DAMPING, FLEXIBILITY = UNITS["torsional"].values()
 H = "H, energy at rated speed per rated power"
 PER_UNIT = "rated torques per electrical radian"
+
+
+@dataclass(frozen=True)
+class Axial:
+    """What a field of a torsional chain is in an axial one: its meaning, and its name if that is another."""
+
+    meaning: str
+    name: str | None = None
 
 
 def _pair() -> Any:
@@ -75,8 +82,8 @@ class _Varies(InputModel):
     variation: Variation | None = part_field("how stiffness and damping vary", Variation)
 
 
-class _Shape(_Varies):
-    """Fields of an element that is a piece of shaft of classical shape."""
+class Element(_Varies):
+    """A spring of a torsional chain, or a piece of shaft."""
 
     nodes: tuple[str, str] | None = _pair()
     loss_factor: float = _loss_factor()
@@ -105,33 +112,35 @@ class _Shape(_Varies):
         description="of a cone: cylindrical, or a constant share of its diameter",
         json_schema_extra={"feature": True},
     )
-    shear_modulus: float | None = _modulus("the piece, by default that of the chain")
+    shear_modulus: Annotated[
+        float | None,
+        Axial("Young's modulus of the piece, by default that of the chain", "youngs_modulus"),
+    ] = _modulus("the piece, by default that of the chain")
     parts: int = quantity_field(
         "number of elements it is divided into", "", 1, 1000, default=1, feature=True
     )
+    stiffness: float | None = part_quantity("stiffness", STIFFNESS, None)
+    flexibility: float | None = part_quantity("1 over the stiffness", FLEXIBILITY, None)
+    per_unit_stiffness: float | None = part_quantity(PER_UNIT, "", None)
+    damping: float = part_quantity("relative damping", DAMPING)
+    distributed_inertia: Annotated[float, Axial("mass spread evenly along it")] = part_quantity(
+        "inertia spread evenly along it", INERTIA
+    )
 
 
-class TorsionalNode(_Varies):
+class Node(_Varies):
     """An inertia of a torsional chain."""
 
     name: str = Field(description="of the node")
-    inertia: float = part_quantity("moment of inertia", INERTIA, 0.0)
+    inertia: Annotated[float, Axial("mass", "mass")] = part_quantity(
+        "moment of inertia", INERTIA, 0.0
+    )
     inertia_constant: float | None = quantity_field(H, "s", 0.0, default=None)
     entrained_share: float = quantity_field(
         "share added by entrained water", "", minimum=0.0, default=0.0, feature=True
     )
     ground_stiffness: float = part_quantity("stiffness to ground", STIFFNESS)
     ground_damping: float = part_quantity("absolute damping", DAMPING)
-
-
-class TorsionalElement(_Shape):
-    """A spring of a torsional chain, or a piece of shaft."""
-
-    stiffness: float | None = part_quantity("stiffness", STIFFNESS, None)
-    flexibility: float | None = part_quantity("1 over the stiffness", FLEXIBILITY, None)
-    per_unit_stiffness: float | None = part_quantity(PER_UNIT, "", None)
-    damping: float = part_quantity("relative damping", DAMPING)
-    distributed_inertia: float = part_quantity("inertia spread evenly along it", INERTIA)
 
 
 class GearPair(InputModel):
@@ -144,14 +153,16 @@ class GearPair(InputModel):
     )
 
 
-class TorsionalDashpot(InputModel):
+class DashpotPart(InputModel):
     """Viscous damping between two nodes of a torsional chain without a spring."""
 
     nodes: tuple[str, str] = Field(description="names of the two nodes")
-    damping: float = part_quantity("torque per relative speed", DAMPING, ...)
+    damping: Annotated[float, Axial("force per relative speed")] = part_quantity(
+        "torque per relative speed", DAMPING, ...
+    )
 
 
-class TorsionalChainSection(InputModel):
+class ChainSection(InputModel):
     """A torsional chain."""
 
     section: ClassVar[str] = "chain"
@@ -165,12 +176,18 @@ class TorsionalChainSection(InputModel):
     )
     relative_damping: Numbers | None = quantity_field(PSI, "", default=None)
     magnifier: Numbers | None = quantity_field(MAGNIFIER, "", default=None)
-    shear_modulus: float | None = _modulus("all pieces of shaft, by default that of [material]")
+    shear_modulus: Annotated[
+        float | None,
+        Axial(
+            "Young's modulus of all pieces of shaft, by default that of [material]",
+            "youngs_modulus",
+        ),
+    ] = _modulus("all pieces of shaft, by default that of [material]")
     gears: tuple[GearPair, ...] = part_field("gears", GearPair, many=True)
     kind: Literal["torsional"] = Field(description="torsional or axial")
-    inertia: tuple[float, ...] | None = quantity_field(
-        "inertias in a row, in place of nodes", INERTIA, default=None
-    )
+    inertia: Annotated[
+        tuple[float, ...] | None, Axial("masses in a row, in place of nodes", "mass")
+    ] = quantity_field("inertias in a row, in place of nodes", INERTIA, default=None)
     inertia_constant: tuple[float, ...] | None = quantity_field(H, "s", default=None)
     stiffness: tuple[float, ...] | None = quantity_field(
         "stiffness between neighbors, in place of elements", STIFFNESS, default=None
@@ -193,9 +210,9 @@ class TorsionalChainSection(InputModel):
     ground_damping: tuple[float, ...] | None = quantity_field(
         "absolute damping of each node of the list", DAMPING, default=None
     )
-    nodes: tuple[TorsionalNode, ...] = part_field("nodes", TorsionalNode, many=True)
-    elements: tuple[TorsionalElement, ...] = part_field("elements", TorsionalElement, many=True)
-    dashpots: tuple[TorsionalDashpot, ...] = part_field("dashpots", TorsionalDashpot, many=True)
+    nodes: tuple[Node, ...] = part_field("nodes", Node, many=True)
+    elements: tuple[Element, ...] = part_field("elements", Element, many=True)
+    dashpots: tuple[DashpotPart, ...] = part_field("dashpots", DashpotPart, many=True)
     dampers: tuple[TorsionalDamperPart, ...] = part_field("dampers", TorsionalDamperPart, many=True)
 
 
@@ -208,7 +225,7 @@ TORSIONAL_ONLY = (
 
 
 def _axial(model: type[InputModel], title: str, **kinds: Any) -> Any:
-    """Return the model of an axial chain that corresponds to a torsional one: masses, other units.
+    """Return the axial kind of a model: its fields with their axial meanings, names and units.
 
     Parameters
     ----------
@@ -216,48 +233,55 @@ def _axial(model: type[InputModel], title: str, **kinds: Any) -> Any:
         Types of fields that differ.
     """
     units = dict(zip(UNITS["torsional"].values(), UNITS["axial"].values(), strict=True))
-    words = {
-        "moment of inertia": "mass",
-        "inertia spread": "mass spread",
-        "inertias": "masses",
-        "shear modulus": "Young's modulus",
-    }
-    keys = {"inertia": "mass", MODULI["torsional"]: MODULI["axial"]}
     fields: dict[str, Any] = {}
     for name, info in model.model_fields.items():
         if name in TORSIONAL_ONLY:
             continue
-        axial, text = copy(info), info.description or ""
+        field, axial_name = copy(info), name
         if (unit := field_extra(info, "unit")) in units:
-            axial.json_schema_extra = {**cast(Any, info.json_schema_extra), "unit": units[unit]}
-            for torsional, word in words.items():
-                text = text.replace(torsional, word) if text.startswith(torsional) else text
-            axial.description = text.replace("torque per", "force per")
-        fields[keys.get(name, name)] = (kinds.get(name, info.annotation), axial)
-    made = create_model(model.__name__.replace("Torsional", "Axial"), __base__=InputModel, **fields)
+            field.json_schema_extra = {**cast(Any, info.json_schema_extra), "unit": units[unit]}
+        for axial in info.metadata:
+            if isinstance(axial, Axial):
+                field.description, axial_name = axial.meaning, axial.name or name
+        fields[axial_name] = (kinds.get(name, info.annotation), field)
+    made = create_model(f"Axial{model.__name__}", __base__=InputModel, **fields)
     made.section, made.__doc__ = model.section, title
     return made
 
 
-AxialNode = _axial(TorsionalNode, "A mass of an axial chain.")
-AxialElement = _axial(TorsionalElement, "A spring of an axial chain, or a piece of shaft.")
-AxialDashpot = _axial(
-    TorsionalDashpot, "Viscous damping between two nodes of an axial chain without a spring."
-)
-AxialChainSection: type[TorsionalChainSection] = _axial(
-    TorsionalChainSection,
-    "An axial chain.",
-    kind=Literal["axial"],
-    nodes=GenericAlias(tuple, (AxialNode, ...)),
-    elements=GenericAlias(tuple, (AxialElement, ...)),
-    dashpots=GenericAlias(tuple, (AxialDashpot, ...)),
-    dampers=tuple[AxialDamperPart, ...],
-)
+@dataclass(frozen=True)
+class ChainKind:
+    """The models of a kind of chain, and what it calls its inertias and the modulus of a piece of shaft."""
+
+    section: type[ChainSection]
+    node: type[Node]
+    element: type[Element]
+    inertia: str
+    modulus: str
 
 
-Section = TorsionalChainSection
-Node = TorsionalNode
-Element = TorsionalElement
+def _axial_kind() -> ChainKind:
+    node = _axial(Node, "A mass of an axial chain.")
+    element = _axial(Element, "A spring of an axial chain, or a piece of shaft.")
+    dashpot = _axial(
+        DashpotPart, "Viscous damping between two nodes of an axial chain without a spring."
+    )
+    section = _axial(
+        ChainSection,
+        "An axial chain.",
+        kind=Literal["axial"],
+        nodes=GenericAlias(tuple, (node, ...)),
+        elements=GenericAlias(tuple, (element, ...)),
+        dashpots=GenericAlias(tuple, (dashpot, ...)),
+        dampers=tuple[AxialDamperPart, ...],
+    )
+    return ChainKind(section, node, element, "mass", "youngs_modulus")
+
+
+KINDS = {
+    "torsional": ChainKind(ChainSection, Node, Element, "inertia", "shear_modulus"),
+    "axial": _axial_kind(),
+}
 GROUND_FIELDS = ("ground_stiffness", "ground_damping")
 # Fields of each shape; those of the others may not stand beside it.
 SHAPES = {
@@ -281,7 +305,7 @@ class _Row:
     law: VaryingPart | None = None
 
 
-def chain_of(section: Section, material: Material) -> Chain:
+def chain_of(section: ChainSection, material: Material) -> Chain:
     """Return the chain that a file describes.
 
     Parameters
@@ -293,7 +317,8 @@ def chain_of(section: Section, material: Material) -> Chain:
     nodes = _nodes(section, base)
     names = tuple(nodes)
     errors = InputErrors()
-    modulus = MODULI[section.kind]
+    kind, make_node = KINDS[section.kind], cast(Any, KINDS[section.kind].node)
+    modulus = kind.modulus
     if getattr(section, modulus) is not None and not any(part.shape for part in section.elements):
         raise InputError(
             f"chain.{modulus}: given without a piece of shaft; allowed is it where [[chain.elements]] have a "
@@ -319,7 +344,7 @@ def chain_of(section: Section, material: Material) -> Chain:
     order = [name for node in names for name in (node, *inner.get(node, ()))] + inner.get(None, [])
     number_of = {name: number for number, name in enumerate(order)}
     # Inner nodes of a piece of shaft have nothing but its own inertia.
-    values = [nodes.get(name, TorsionalNode(name=name)) for name in order]
+    values = [nodes.get(name, make_node(name=name)) for name in order]
 
     def place(field: str, name: str) -> int:
         check_choice(f"chain.{field}", name, names, "these are the nodes")
@@ -354,7 +379,11 @@ def chain_of(section: Section, material: Material) -> Chain:
     laws += [Varying(k, law, True) for k, (*_, law) in enumerate(grounds) if law is not None]
     places_of = {name: f"chain.nodes[{k}]" for k, name in enumerate(names)}
     chain = Chain(
-        [_inertia(node, places_of.get(node.name, "chain"), base) for node in values],
+        [
+            in_si(node, places_of.get(node.name, "chain"), kind.inertia, base)
+            * (1.0 + node.entrained_share)
+            for node in values
+        ],
         [row.stiffness for row in rows],
         [ground[0] for ground in grounds],
         connections=[(number_of[row.left], number_of[row.right]) for row in rows],
@@ -374,9 +403,9 @@ def chain_of(section: Section, material: Material) -> Chain:
     return chain
 
 
-def _nodes(section: Section, base: PerUnitBase | None) -> dict[str, Node]:
-    torsional = section.kind == "torsional"
-    field = "inertia" if torsional else "mass"
+def _nodes(section: ChainSection, base: PerUnitBase | None) -> dict[str, Node]:
+    kind = KINDS[section.kind]
+    field = kind.inertia
     listed = in_si(section, "chain", field, base)
     if (listed is None) == (not section.nodes):
         raise InputError(
@@ -406,14 +435,14 @@ def _nodes(section: Section, base: PerUnitBase | None) -> dict[str, Node]:
             f"values of {field}; allowed is a different one for each, because results are named by them."
         )
     grounds = [_of_each_node(section, beside, len(listed)) for beside in GROUND_FIELDS]
-    kind: Any = TorsionalNode if torsional else AxialNode
+    make: Any = kind.node
     return {
-        name: kind(name=name, **{field: inertia}, ground_stiffness=spring, ground_damping=damping)
+        name: make(name=name, **{field: inertia}, ground_stiffness=spring, ground_damping=damping)
         for name, inertia, spring, damping in zip(names, listed, *grounds, strict=True)
     }
 
 
-def _of_each_node(section: Section, field: str, count: int) -> tuple[float, ...]:
+def _of_each_node(section: ChainSection, field: str, count: int) -> tuple[float, ...]:
     values: tuple[float, ...] | None = getattr(section, field)
     if values is not None and len(values) != count:
         raise InputError(
@@ -423,13 +452,8 @@ def _of_each_node(section: Section, field: str, count: int) -> tuple[float, ...]
     return values or (0.0,) * count
 
 
-def _inertia(node: Node, where: str, base: PerUnitBase | None) -> float:
-    dry: float = in_si(node, where, "inertia" if isinstance(node, TorsionalNode) else "mass", base)
-    return dry * (1.0 + node.entrained_share)
-
-
 def _elements(
-    section: Section, names: tuple[str, ...], base: PerUnitBase | None
+    section: ChainSection, names: tuple[str, ...], base: PerUnitBase | None
 ) -> Iterable[tuple[int, Element]]:
     listed = in_si(section, "chain", "stiffness", base)
     losses = in_si(section, "chain", "loss_factor", base)
@@ -454,9 +478,9 @@ def _elements(
         )
     damping = _of_each("chain.damping", section.damping, count)
     loss = _of_each("chain.loss_factor", losses, count)
-    kind: Any = TorsionalElement if section.kind == "torsional" else AxialElement
+    make = KINDS[section.kind].element
     return [
-        (k, kind(stiffness=stiffness, damping=c, loss_factor=h))
+        (k, make(stiffness=stiffness, damping=c, loss_factor=h))
         for k, (stiffness, c, h) in enumerate(zip(listed, damping, loss, strict=True))
         if not math.isinf(stiffness)
     ]
@@ -491,7 +515,12 @@ def _ends(element: Element, number: int, nodes: tuple[str, ...]) -> tuple[str, s
 
 
 def _spring(
-    section: Section, number: int, element: Element, left: str, right: str, base: PerUnitBase | None
+    section: ChainSection,
+    number: int,
+    element: Element,
+    left: str,
+    right: str,
+    base: PerUnitBase | None,
 ) -> _Row:
     field = f"chain.elements[{number}].stiffness"
     where = f"chain.elements[{number}]"
@@ -501,7 +530,7 @@ def _spring(
             f"{field}: given neither it nor shape; allowed is one of the two, because both define the "
             "stiffness of the element."
         )
-    for name in (*SHAPE_FIELDS, "parts", MODULI[section.kind]):
+    for name in (*SHAPE_FIELDS, "parts", KINDS[section.kind].modulus):
         _link_error(number, element, name, "stiffness")
     stiffness = positive_number(
         field,
@@ -545,8 +574,8 @@ def _link_error(number: int, element: Element, name: str, beside: str) -> None:
         )
 
 
-def _piece(section: Section, element: Element, shape: str, steel: Material) -> ShaftCone:
-    key = MODULI[section.kind]
+def _piece(section: ChainSection, element: Element, shape: str, steel: Material) -> ShaftCone:
+    key = KINDS[section.kind].modulus
     modulus = getattr(element, key) or getattr(section, key) or getattr(steel, key)
     material = ShaftMaterial(**{key: modulus}, density=steel.density)
     sizes = {name: getattr(element, name) for name in SHAPES[shape]}
@@ -558,7 +587,7 @@ def _piece(section: Section, element: Element, shape: str, steel: Material) -> S
 
 
 def _shaft(
-    section: Section, loss_factor: float, pieces: tuple[ShaftCone, ...], names: list[str]
+    section: ChainSection, loss_factor: float, pieces: tuple[ShaftCone, ...], names: list[str]
 ) -> list[_Row]:
     torsional = section.kind == "torsional"
     rows = []

@@ -13,10 +13,8 @@ from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
 from crankbase.quantity import parse_quantity
 from crankbase.summaries import summarized
 from crankfem.files.chain.chain_build import (
+    KINDS,
     UNITS,
-    AxialChainSection,
-    Section,
-    TorsionalChainSection,
     chain_of,
 )
 from crankfem.files.chain.maker_values import as_printed
@@ -322,8 +320,6 @@ def _spring(chain: Chain, element: int, units: dict[str, str]) -> str:
 SMALLEST, LARGEST = 1e-20, 1e20
 SIZES = ("inertia", "stiffness", "ground", "damping", "ground_damping", "distributed_inertia")
 
-KINDS: dict[str, type[Section]] = {"torsional": TorsionalChainSection, "axial": AxialChainSection}
-
 
 @summarized("name", "kind", "path", "chain.inertia", "chain.stiffness")
 @dataclass(frozen=True)
@@ -387,7 +383,7 @@ def _read_chain(content: TomlFile) -> ChainFile:
     kind = content.sections.get("chain", {}).get("kind")
     known = isinstance(kind, str) and kind in KINDS
     with content.all_errors(
-        {"material": Material} | ({"chain": KINDS[str(kind)]} if known else {})
+        {"material": Material} | ({"chain": KINDS[str(kind)].section} if known else {})
     ):
         content.check_sections({"chain": True, "material": False})
         if not known:
@@ -395,7 +391,7 @@ def _read_chain(content: TomlFile) -> ChainFile:
                 f"{path.name}: chain.kind: given {kind!r}; allowed are torsional and axial, because units "
                 "follow from it."
             )
-        section: Section = content.required("chain", KINDS[str(kind)])
+        section = content.required("chain", KINDS[str(kind)].section)
         material = content.model("material", Material) or STEEL
     try:
         chain = chain_of(section, material)

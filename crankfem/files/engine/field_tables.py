@@ -11,7 +11,7 @@ from crankbase.choices import allowed_names
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, gd2_name, is_inertia, part_kind
 from crankbase.quantity import DISPLAY_UNITS, format_quantity
-from crankfem.files.chain.chain_file import KINDS as CHAIN_KINDS
+from crankfem.files.chain.chain_build import KINDS as CHAIN_KINDS
 from crankfem.files.engine.file_kinds import SECTIONS
 from fem.material import Material
 
@@ -70,9 +70,9 @@ def chain_tables() -> list[SectionTable]:
     return [
         *(
             table
-            for kind, model in CHAIN_KINDS.items()
+            for name, kind in CHAIN_KINDS.items()
             for table in _tables(
-                model, "[chain]", f'required, of a chain file with kind = "{kind}"'
+                kind.section, "[chain]", f'required, of a chain file with kind = "{name}"'
             )
         ),
         *_tables(Material, "[material]", "optional, steel by default"),
