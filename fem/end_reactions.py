@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.choices import check_choice
-from crankbase.diagrams import draw_groups, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import grid, table
 from crankbase.results import Quantity, Result, result
@@ -151,6 +150,12 @@ class Reactions(Result):
                 f"plot: given reactions of {len(self.left.force)} throws; allowed are those of one, "
                 "because its two ends are drawn."
             )
+        from crankbase.diagrams import (  # here: a lookup draws nothing
+            draw_groups,
+            new_axes,
+            write_title,
+        )
+
         axes = new_axes(axes)
         ends = {"left": self.left, "right": self.right}
         vectors = {name: getattr(end, show) for name, end in ends.items()}

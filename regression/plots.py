@@ -1,5 +1,6 @@
 """Equations over one factor, and the sizes of their terms and factors."""
 
+import re
 from collections.abc import Sequence
 from itertools import compress
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ from crankbase.diagrams import (
     math_symbol,
     write_title,
 )
-from regression.throw_values import factor_text
+from regression.throw_values import factor_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,6 +26,24 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 POINTS = 80
+PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
+
+
+def factor_text(name: str) -> str:
+    """Write "web width B" for a diagram, in math notation if the factor has a symbol."""
+    symbol = factor_label(name).symbol
+    words = name.replace("_", " ")
+    return words if symbol == name else f"{words} {math_symbol(symbol)}"
+
+
+def term_text(name: str) -> str:
+    """Write the papers' symbols in a term such as "ln(L_shm)^2 h" in math notation, free names in words."""
+
+    def word(matched: re.Match[str]) -> str:
+        text = matched[0]
+        return math_symbol(text) if PAPER_SYMBOL.fullmatch(text) else text.replace("_", " ")
+
+    return re.sub(r"[A-Za-z][\w.]*", word, name)
 
 
 def factor_size(unit: str, labels: Sequence[str]) -> float:

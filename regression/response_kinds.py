@@ -1,5 +1,6 @@
 """Properties of responses for equations and lookups; `fem.responses` declares the rest."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,13 @@ AXIAL = "axial_compliance"
 TORSIONAL = "torsional_compliance"
 INFLUENCE = "influence_coefficient"
 TILT_RATIO = "tilt_stiffness_ratio"
+# Supports, as they stand at the end of a response's name, and what they are called.
+SUPPORTS = {
+    "pinned": "pinned",
+    "guided": "guided",
+    "opposite": "neighbors opposite, 180 deg",
+    "in_line": "neighbors in line, 0 deg",
+}
 # Responses that are above zero in every throw; influence coefficients and reactions have a sign.
 ABOVE_ZERO = (
     *(AXIAL, TORSIONAL, TILT_RATIO),
@@ -45,6 +53,12 @@ SCALES: Mapping[str, ResponseScale] = {
     "kg": ResponseScale("{} / (rho D_shm^3)", lambda m, pin: m.density * pin * pin * pin),
     "": ResponseScale("{}", lambda _, __: 1.0),
 }
+
+
+def fold_angle_deg(gamma_deg: float) -> float:
+    """Fold an angle between neighboring cranks to 0 ... 180 deg (240 and -120 become 120)."""
+    rest = math.fmod(abs(gamma_deg), 360.0)
+    return 360.0 - rest if rest > 180.0 else rest
 
 
 def is_positive_response(response: str) -> bool:

@@ -1,11 +1,9 @@
 """The dimensions of a throw by name, also those of its parts: "counterweight.thickness"."""
 
-import re
 from dataclasses import dataclass
 
 from pydantic.fields import FieldInfo
 
-from crankbase.diagrams import math_symbol
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.quantity import DISPLAY_UNITS, format_quantity
@@ -116,9 +114,6 @@ def same_dimension(first: float, second: float) -> bool:
     return abs(first - second) <= SAME * max(abs(first), abs(second))
 
 
-PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
-
-
 @dataclass(frozen=True)
 class FactorLabel:
     """Label of a factor in a printed equation: its symbol, its unit and that unit's size."""
@@ -150,20 +145,3 @@ def factor_label(name: str) -> FactorLabel:
     shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
     symbol = str(field_extra(declared, "symbol") or "")
     return FactorLabel(symbol if symbol and "." not in name else name, shown, size)
-
-
-def factor_text(name: str) -> str:
-    """Write "web width B" for a diagram, in math notation if the factor has a symbol."""
-    symbol = factor_label(name).symbol
-    words = name.replace("_", " ")
-    return words if symbol == name else f"{words} {math_symbol(symbol)}"
-
-
-def term_text(name: str) -> str:
-    """Write the papers' symbols in a term such as "ln(L_shm)^2 h" in math notation, free names in words."""
-
-    def word(matched: re.Match[str]) -> str:
-        text = matched[0]
-        return math_symbol(text) if PAPER_SYMBOL.fullmatch(text) else text.replace("_", " ")
-
-    return re.sub(r"[A-Za-z][\w.]*", word, name)

@@ -13,13 +13,12 @@ from crankbase.input_file import STEP_ENDINGS
 from crankbase.model import limits_of, range_text
 from crankbase.quantity import format_quantity, parse_quantity
 from crankfem.cli import console
-from crankfem.files.engine.throw_file import load_throw, names_of_throws, unused_throws
-from crankfem.files.reading.toml_file import TomlFile
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from regression.throw_values import field_unit
 
 if TYPE_CHECKING:
+    from crankfem.files.reading.toml_file import TomlFile
     from geometry.mesher import Throw
     from regression.models.compliance_model import ComplianceModel
     from regression.optimum import Limit, Searched
@@ -52,7 +51,7 @@ def angle_text(gamma_deg: float) -> str:
     >>> angle_text(120.0), angle_text(240.0)
     ('120 deg', '240 deg (counts as 120)')
     """
-    from regression.formulas.case import fold_angle_deg
+    from regression.response_kinds import fold_angle_deg
 
     folded = fold_angle_deg(gamma_deg)
     return f"{gamma_deg:g} deg" + ("" if folded == gamma_deg else f" (counts as {folded:g})")
@@ -84,7 +83,7 @@ def parse_speed(text: str | None) -> float | None:
 
 
 def select_throw(
-    engine: str | TomlFile, name: str | None = None, quiet: bool = False
+    engine: "str | TomlFile", name: str | None = None, quiet: bool = False
 ) -> tuple[CrankThrow, Material]:
     """Select the throw of a name; by default that at the free end, with a note if there are others.
 
@@ -97,6 +96,8 @@ def select_throw(
     quiet : bool
         Whether to omit notes.
     """
+    from crankfem.files.engine.throw_file import load_throw, names_of_throws, unused_throws
+
     first, *others = names_of_throws(engine)
     if name is None and others:
         console.print_note(

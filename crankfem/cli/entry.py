@@ -1,5 +1,6 @@
 """The start of the command line: an interrupt is reported in a sentence, even during imports."""
 
+import atexit
 import gc
 import os
 import re
@@ -24,6 +25,8 @@ def main() -> None:
     # Its search for plugins, of which none is ours, reads what every installed package says of itself.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     gc.set_threshold(GARBAGE_THRESHOLD)
+    # Else Python, when all is done, goes through everything that was loaded in search of circles.
+    atexit.register(gc.freeze)
     # Commands load most modules when they begin, so this holds for them too, but where something is open
     # that must be closed (`crankfem.cli.interrupts.interrupts_raise`); and until Python itself has ended.
     exit_on_interrupts()

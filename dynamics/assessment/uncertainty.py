@@ -12,6 +12,7 @@ from crankbase.choices import check_choice, is_number, is_whole_within, whole_nu
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes
+from crankbase.latin_hypercube import latin_hypercube
 from crankbase.results import Internal, Number, Result, result
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
@@ -306,9 +307,7 @@ def sampled_factors(
         )
     count = whole_number("samples", samples, 2, "a range has two ends")
     start = whole_number("seed", seed, 0, "random numbers start from one")
-    from scipy.stats import qmc  # here: loading it takes a quarter second
-
-    drawn = qmc.LatinHypercube(len(spreads), rng=np.random.default_rng(start)).random(count)
+    drawn = latin_hypercube(count, len(spreads), np.random.default_rng(start).spawn(1)[0])
     low, high = np.log([[spread.low, spread.high] for spread in spreads]).T
     return np.asarray(np.exp(low + drawn * (high - low)))
 

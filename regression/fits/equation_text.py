@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from regression.fits.forms import Basis, FittedForm, Term, design_matrix, term_name
 from regression.fits.gaussian_process import GaussianProcess
+from regression.plots import term_text
 from regression.response_kinds import SCALES
 from regression.throw_values import FactorLabel as FactorLabel
 from regression.throw_values import factor_label as factor_label
-from regression.throw_values import term_text
 
 # Evaluating a printed equation must give the prediction within this share (a tenth of what is
 # promised to the reader).

@@ -13,6 +13,7 @@ from crankbase.results import InItsUnit, Result, result
 from crankbase.table import text_rows
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
+from regression.response_kinds import fold_angle_deg
 
 
 @dataclass(frozen=True)
@@ -301,12 +302,6 @@ def throw_and_material(
     steel = STEEL if material is None else material
     check_kind("material", steel, Material, "a Material")
     return throw, steel
-
-
-def fold_angle_deg(gamma_deg: float) -> float:
-    """Fold an angle between neighboring cranks to 0 ... 180 deg (240 and -120 become 120)."""
-    rest = math.fmod(abs(gamma_deg), 360.0)
-    return 360.0 - rest if rest > 180.0 else rest
 
 
 def checked_angle_deg(gamma_deg: float) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.array_checks import finite_array
 from crankbase.errors import InputError, quoted
-from regression.formulas.case import fold_angle_deg
+from regression.response_kinds import fold_angle_deg
 
 
 def fold_angle(gamma_deg: ArrayLike) -> Any:

@@ -21,7 +21,6 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.array_checks import FloatArray
 from crankbase.choices import check_not_given, did_you_mean, whole_number
-from crankbase.diagrams import BLUE, RED, display_unit, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import grid, table
 from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
@@ -29,9 +28,7 @@ from crankbase.model import InputModel
 from crankbase.outputs import write_text
 from fem.end_reactions import Reactions
 from fem.material import Material
-from fem.plots import angle_axis
 from geometry.throw import CrankThrow
-from regression.formulas.case import OfThrow, throw_and_material
 from regression.models.angle import between_values, fold_angle, opposite_share
 from regression.models.family import Family, angle_law_remarks, query_for_throw
 from regression.models.lookup import (
@@ -59,7 +56,6 @@ from regression.models.response_query import (
 )
 from regression.plans.factors import rounded
 from regression.plans.relations import read_constraint
-from regression.plots import POINTS, factor_size, label_factor_axis, response_text
 from regression.response_kinds import (
     ANGLE_LAWS,
     AXIAL,
@@ -77,6 +73,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fem.supports import Support
+    from regression.formulas.case import OfThrow
 
 
 FILE_FORMAT = "crankfem compliance model"
@@ -802,7 +799,7 @@ class ComplianceModel(InputModel):
 
     def of_throw(
         self,
-        throw: CrankThrow | OfThrow,
+        throw: "CrankThrow | OfThrow",
         *,
         material: Material | None = None,
         gamma_deg: float | None = None,
@@ -834,6 +831,8 @@ class ComplianceModel(InputModel):
         UserWarning
             For each response that cannot be evaluated while others can.
         """
+        from regression.formulas.case import OfThrow, throw_and_material
+
         if material is not None or isinstance(throw, OfThrow):
             throw, material = throw_and_material(throw, material)
             return self.of_material(material).of_throw(throw, gamma_deg=gamma_deg, strict=strict)
@@ -915,6 +914,11 @@ class ComplianceModel(InputModel):
         InputError
             As in `lookup`, if `over` is not a numeric factor, or that factor is given as well.
         """
+        # Here: a lookup draws nothing.
+        from crankbase.diagrams import BLUE, RED, display_unit, new_axes, write_title
+        from fem.plots import angle_axis
+        from regression.plots import POINTS, factor_size, label_factor_axis, response_text
+
         name = next(iter(self.responses)) if response is None else response
         family = self.family
         factor = next(iter(family.ranges)) if over is None else over

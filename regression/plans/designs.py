@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.latin_hypercube import centered_discrepancy, latin_hypercube
 from crankbase.results import Number, Quantity, Result, result
 from crankbase.summaries import summarized
 from regression.plans.factors import Factor, rounded
@@ -42,19 +43,17 @@ def latin_hypercube_points(
 ) -> Points:
     """Draw a Latin hypercube (n, k) within [0, 1): each column in n strata, one point in each.
 
-    Of `tries` hypercubes of `scipy.stats.qmc` (`hypercube_trials` by default) the one is used whose
+    Of `tries` hypercubes (`hypercube_trials` by default) the one is used whose
     nearest two points are farthest apart (maximin). `choices` has the number of choices of each column,
     0 for a continuous one.
     """
-    from scipy.stats import qmc
-
-    sampler = qmc.LatinHypercube(len(choices), rng=np.random.default_rng(list(seed)))
-    best = _at_choices(sampler.random(count), choices)
+    random = np.random.default_rng(list(seed)).spawn(1)[0]
+    best = _at_choices(latin_hypercube(count, len(choices), random), choices)
     if count == 1 or len(choices) == 1:
         return best
     best_distance = smallest_distance(best)
     for _ in range((tries or hypercube_trials(count)) - 1):
-        candidate = _at_choices(sampler.random(count), choices)
+        candidate = _at_choices(latin_hypercube(count, len(choices), random), choices)
         distance = smallest_distance(candidate)
         if distance > best_distance:
             best, best_distance = candidate, distance
@@ -75,7 +74,7 @@ def with_points_at_ends(points: Points, choices: Sequence[int]) -> Points:
 
 def sobol_points(count: int, choices: Sequence[int], seed: Sequence[int]) -> Points:
     """First points (n, k) of a scrambled Sobol sequence; arguments as of `latin_hypercube_points`."""
-    from scipy.stats import qmc
+    from scipy.stats import qmc  # here: loading it takes most of a second
 
     sampler = qmc.Sobol(len(choices), rng=np.random.default_rng(list(seed)))
     power = max(0, math.ceil(math.log2(count)))
@@ -174,8 +173,6 @@ class DesignQuality(Result):
 
 def design_quality(factors: Sequence[Factor], values: NDArray[np.float64]) -> DesignQuality:
     """Assess runs (n, k) [SI], of a choice the label's index, by distance, discrepancy and correlation."""
-    from scipy.stats import qmc
-
     lowest = np.array([factor.lowest for factor in factors])
     spans = np.array([factor.highest for factor in factors]) - lowest
     points = (values - lowest) / spans
@@ -184,12 +181,12 @@ def design_quality(factors: Sequence[Factor], values: NDArray[np.float64]) -> De
     for place, factor in enumerate(factors):
         if factor.labels:
             apart[:, place] = values[:, place] / len(factor.labels)
-    discrepancy = qmc.discrepancy(np.clip(points[:, numbers], 0.0, 1.0))
+    discrepancy = centered_discrepancy(np.clip(points[:, numbers], 0.0, 1.0))
     count, width = len(values), len(numbers)
     largest, pair = _largest_correlation(factors, points)
     return DesignQuality(
         distance=smallest_distance(apart) if count > 1 else None,
-        discrepancy=float(discrepancy),
+        discrepancy=discrepancy,
         random_discrepancy=((5.0 / 4.0) ** width - (13.0 / 12.0) ** width) / count,
         correlation=largest,
         correlated=pair,

@@ -222,7 +222,8 @@ def test_names_and_files_are_completed(tmp_path, model_file):
 
 def test_completion_and_help_load_nothing_slow(spawn):
     code = (
-        "import sys, crankfem.cli.app; from crankfem.cli.commands import completion; "
+        "import sys; from crankfem.cli.app import LoadedOnDemand; dict(LoadedOnDemand()); "
+        "from crankfem.cli.commands import completion; "
         "completion.any_input(''); completion.shipped(''); "
         "print([name for name in ('numpy', 'scipy', 'pydantic', 'pint', 'gmsh', 'matplotlib') "
         "if name in sys.modules])"

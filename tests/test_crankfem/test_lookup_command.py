@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +90,30 @@ def made_model(**others):
 def path(tmp_path):
     made_model().save(tmp_path / "m.json")
     return tmp_path / "m.json"
+
+
+# What a lookup needs nothing of.
+HEAVY = ("scipy", "skfem", "fem.solver", "geometry.mesh", "dynamics", "matplotlib", "pint")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "asked",
+    [
+        ("m.json", "web_width=285mm", "web_thickness=68mm"),
+        ("m.json", "--throw", ENGINE, "--gamma", "120 deg"),
+        ("law", "--throw", ENGINE),
+    ],
+    ids=["dimensions", "throw", "law"],
+)
+def test_a_lookup_loads_nothing_heavy(spawn, path, asked):
+    code = (
+        "import sys; from crankfem.cli.entry import main; main(); "
+        f"print([n for n in {HEAVY} if n in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, "lookup"]
+    answer = spawn(*asked, command=command, folder=path.parent)
+    assert answer.out.splitlines()[-1] == "[]", answer.err
 
 
 @pytest.fixture

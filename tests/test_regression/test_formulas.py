@@ -23,11 +23,11 @@ from regression.formulas.axial_formulas import (
 from regression.formulas.case import (
     DEFAULT_CONSTANTS,
     FORMULA_CONSTANTS,
-    fold_angle_deg,
     round_area,
     round_inertia,
 )
 from regression.formulas.torsional_formulas import torsional_formulas
+from regression.response_kinds import fold_angle_deg
 
 
 def throw_of_mm(R, D_km, D_shm, L_km, L_shm, B, h):

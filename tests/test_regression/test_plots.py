@@ -17,9 +17,8 @@ from regression.models.response_model import ResponseModel
 from regression.optimum import Limit, LimitCheck, Optimum
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
-from regression.plots import draw_formula_bars
+from regression.plots import draw_formula_bars, factor_text, term_text
 from regression.runs.study_table import StudyTable
-from regression.throw_values import factor_text, term_text
 
 WIDTHS, THICKNESSES = np.array([0.27, 0.30, 0.33]), np.array([0.05, 0.07, 0.09])
 RUNS = np.array([(width, thickness) for width in WIDTHS for thickness in THICKNESSES])

@@ -25,10 +25,10 @@ from fem.material import Material
 from fem.superelement import ShaftCompliances, shaft_compliances
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.case import FormulaValue, fold_angle_deg
+from regression.formulas.case import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.angle import between_values
-from regression.response_kinds import AXIAL, TORSIONAL
+from regression.response_kinds import AXIAL, TORSIONAL, fold_angle_deg
 
 if TYPE_CHECKING:
     from regression.models.compliance_model import ComplianceModel

@@ -39,10 +39,10 @@ from regression.plots import (
     design_dots,
     factor_label_text,
     factor_size,
+    factor_text,
     response_text,
 )
 from regression.runs.study_table import StudyTable
-from regression.throw_values import factor_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

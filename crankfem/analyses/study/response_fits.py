@@ -31,7 +31,7 @@ from regression.fits.selection import choose
 from regression.plans.plan import PlannedStudy, StudyPlan
 from regression.plots import draw_effects
 from regression.records import MEASURED, RUN
-from regression.response_kinds import response_scale
+from regression.response_kinds import SUPPORTS, response_scale
 from regression.runs.study_table import StudyTable, throw_dimensions
 
 if TYPE_CHECKING:
@@ -289,13 +289,6 @@ def dimensions_at(plan: StudyPlan, values: Array, names: list[str]) -> dict[str,
     return {name: known[name] for name in names}
 
 
-# Supports, as they stand at the end of a response's name, and what they are called.
-SUPPORTS = {
-    "pinned": "pinned",
-    "guided": "guided",
-    "opposite": "neighbors opposite, 180 deg",
-    "in_line": "neighbors in line, 0 deg",
-}
 MAIN_SUPPORT = "_pinned"
 
 

@@ -45,11 +45,11 @@ from regression.plans.designs import (
     with_points_at_ends,
 )
 from regression.plans.plan import PlannedDesign, PlannedStudy, StudyPlan
+from regression.plots import factor_text
 from regression.records import content_key
 from regression.runs.exchange import Column, columns, write_csv
 from regression.runs.study import Progress, add_runs, run_plan
 from regression.runs.study_table import StudyTable, study_table
-from regression.throw_values import factor_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -68,15 +68,16 @@ def lookup(
 
     Also reactions to a force on the pin. Example: crankfem lookup law --throw 6chn25-34 --pin-force "100 kN"
     """
-    from crankfem.analyses.throw.law_record import LAW, LAW_BANDS, law_lookups
-    from crankfem.analyses.throw.throw_record import reaction_results
+    # Each way loads what it needs alone: finite elements, sections and the law take long.
     from crankfem.cli import arguments
-    from crankfem.cli.tables.throw_tables import reaction_parts
 
     angle = None if gamma is None else arguments.parse_gamma(gamma, out.quiet)
     force = None if pin_force is None else arguments.parse_pin_force(pin_force)
     refused: dict[str, InputError] = {}
-    if str(model) == LAW:
+    by_law = str(model) == "law"
+    if by_law:
+        from crankfem.analyses.throw.law_record import LAW_BANDS, law_lookups
+
         of_law, material = arguments.law_throw(dimensions or [], throw, out.quiet)
         law = law_lookups(of_law, material, angle)
         answers, react = law.answers, law.reactions
@@ -101,13 +102,19 @@ def lookup(
             raise refused[name]
         used = arguments.dimensions_text(loaded, asked)
         react = partial(loaded.reactions, strict=strict, **asked)
-    reactions = None if force is None else reaction_results(react, force, angle)
+    reactions = None
+    if force is not None:
+        from crankfem.analyses.throw.throw_record import reaction_results
+
+        reactions = reaction_results(react, force, angle)
     if out.json:
         content = answers | {name: {"refused": str(reason)} for name, reason in refused.items()}
         print_json(content if reactions is None else content | {"reactions": reactions})
         return
     parts: list[Table | str] = []
     if reactions is not None:
+        from crankfem.cli.tables.throw_tables import reaction_parts
+
         parts += reaction_parts(reactions, out.units)
     if throw is not None:
         # Dimensions that the command line gives in place of the file.
@@ -116,7 +123,7 @@ def lookup(
         parts.append(Main(out.units.text(f"Throw of {throw}{changed}: {', '.join(used)}.")))
     if any(answer.support in ("pinned", "guided") for answer in answers.values()):
         parts.append(ENDS)
-    if str(model) == LAW:
+    if by_law:
         parts.append(Main(LAW_BANDS))
     elif banded := _banded(answers, angle is not None):
         parts += _bands(loaded, banded)
@@ -159,7 +166,7 @@ def _banded(answers: "dict[str, Lookup]", with_angle: bool) -> list[str]:
 
 def _answer_parts(answers: "dict[str, Lookup]", units: "OutputUnits") -> "Iterator[Table | str]":
     """Return the table of responses, then their remarks, each once."""
-    from crankfem.analyses.study.response_fits import SUPPORTS
+    from regression.response_kinds import SUPPORTS
 
     shown = _shown(answers)
 

@@ -16,6 +16,7 @@ from crankbase.table import OutputUnits, Table, parse_output_units
 from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.layout import wrapped
+from crankfem.files.reading.data_files import each_file_once
 from crankfem.jobs.exit_codes import EXIT_LIMITS, EXIT_UNDECIDED
 
 if TYPE_CHECKING:
@@ -186,8 +187,6 @@ def with_output(
         ) -> None:
             console.output.printed = console.errors.printed = 0
             output = Output(parse_output_units(units), json, quiet, force, full)
-            from crankfem.files.reading.toml_file import each_file_once
-
             with each_file_once():
                 note = _name_not_used(command.__name__, source.split(), arguments, output)
                 # Its lines are those of the first screen too.
@@ -224,8 +223,6 @@ def _name_not_used(
     name: str, sources: Iterable[str], arguments: dict[str, Any], out: Output
 ) -> str:
     """Keep for JSON what a command does not use of its files; return the note about it, or nothing."""
-    from crankfem.files.engine.used_values import command_use, not_used_of
-
     files = [
         file
         for source in sources
@@ -233,6 +230,10 @@ def _name_not_used(
             (arguments[source],) if isinstance(arguments[source], str) else arguments[source] or ()
         )
     ]
+    if not files:
+        return ""
+    from crankfem.files.engine.used_values import command_use, not_used_of
+
     unused = {file: not_used_of(file, command_use(name, arguments)) for file in files}
     read = {file: names for file, names in unused.items() if names is not None}
     if not read:

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from crankbase.errors import InputError
-from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.throw_file import tables_of_throws, unused_throws
 from crankfem.files.reading.toml_file import TomlFile
@@ -177,6 +176,8 @@ def not_used_of(source: str, command: str) -> tuple[str, ...] | None:
         content = any_sections(source)
         if content is not None:
             return not_used(content, command)
+        from crankfem.files.chain.chain_file import load_chain  # here: engine files do without
+
         chain = load_chain(source).chain
     except InputError:  # which the command itself tells
         return None

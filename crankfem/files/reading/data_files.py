@@ -1,10 +1,12 @@
 """Input files and the files that they may name: on disk, sent, or shipped."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, quoted
@@ -13,6 +15,21 @@ from crankfem.files.satellites import satellite_files
 
 # Kinds of input of which files are shipped.
 KINDS = ("engine", *satellite_files(), "chain")
+
+# By path, text and content of the files that a command has read.
+FILES_READ: ContextVar[dict[Path, tuple[str, dict[str, Any]]] | None] = ContextVar(
+    "read", default=None
+)
+
+
+@contextmanager
+def each_file_once() -> Iterator[None]:
+    """Read no file twice in this context: all that a command takes from one is of one state of it."""
+    token = FILES_READ.set({})
+    try:
+        yield
+    finally:
+        FILES_READ.reset(token)
 
 
 def data_folder() -> Path:

@@ -5,7 +5,6 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from contextvars import ContextVar
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,7 +23,7 @@ from crankbase.input_file import (
 from crankbase.model import InputModel, field_extra, inertia_field, part_kind
 from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
 from crankbase.results import Result
-from crankfem.files.reading.data_files import InputFiles
+from crankfem.files.reading.data_files import FILES_READ, InputFiles
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
 # back on, so that looking for it does not take long either.
@@ -485,20 +484,6 @@ class TomlFile:
             )
 
 
-# By path, text and content of the files that a command has read.
-_READ: ContextVar[dict[Path, tuple[str, dict[str, Any]]] | None] = ContextVar("read", default=None)
-
-
-@contextmanager
-def each_file_once() -> Iterator[None]:
-    """Read no file twice in this context: all that a command takes from one is of one state of it."""
-    token = _READ.set({})
-    try:
-        yield
-    finally:
-        _READ.reset(token)
-
-
 def read_toml(file: Path | InputFiles) -> TomlFile:
     """Read a file into sections."""
     files = file if isinstance(file, InputFiles) else InputFiles(file)
@@ -507,7 +492,7 @@ def read_toml(file: Path | InputFiles) -> TomlFile:
         raise InputError(
             f"{path}: is a STEP file; allowed is a TOML file here, because only `crankfem throw` reads STEP."
         )
-    known = _READ.get() if files.sent is None else None
+    known = FILES_READ.get() if files.sent is None else None
     if known is None or path.absolute() not in known:
         text = files.own.text(LARGEST_TEXT_FILE, "a file of dimensions", "a TOML file")
         check_keys(path.name, text)

@@ -22,8 +22,8 @@ from crankfem.report.interactive.style import (
     with_unit,
 )
 from regression.plans.factors import Factor
+from regression.plots import factor_text
 from regression.runs.study_table import StudyTable
-from regression.throw_values import factor_text
 
 
 def response_over_factors(table: StudyTable, response: ResponseFits) -> Figure:
