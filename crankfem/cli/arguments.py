@@ -83,7 +83,7 @@ def parse_speed(text: str | None) -> float | None:
 
 
 def select_throw(
-    engine: "str | TomlFile", name: str | None = None, quiet: bool = False
+    engine: "str | TomlFile", name: str | None = None, quiet: bool = False, *, alone: bool = True
 ) -> tuple[CrankThrow, Material]:
     """Select the throw of a name; by default that at the free end, with a note if there are others.
 
@@ -95,6 +95,8 @@ def select_throw(
         From `--throw`.
     quiet : bool
         Whether to omit notes.
+    alone : bool
+        Whether the command uses no other throw, so that the others are named as not used.
     """
     from crankfem.files.engine.throw_file import load_throw, names_of_throws, unused_throws
 
@@ -103,7 +105,7 @@ def select_throw(
         console.print_note(
             f"Note: throw {first} is used; the file has {', '.join(others)} too.", quiet
         )
-    if console.output.not_used is not None:
+    if alone and console.output.not_used is not None:
         console.output.not_used += unused_throws(engine, name or first)
     return load_throw(engine, name)
 

@@ -527,3 +527,12 @@ def test_a_throw_is_as_long_as_the_cylinder_pitch_it_states(name):
         assert second - first == close(0.104)
         return
     assert stated == [close(throw.length, abs=1e-6)]
+
+
+@pytest.mark.slow
+def test_the_whole_crankshaft_has_all_throws(call, write):
+    """Of the throws that one alone is not made of, none is named as not used."""
+    file = write((SHAFT, 'throws = ["plain", "heavy", "plain"]'))
+    for shaft, named in (([], ["throws.heavy"]), (["--shaft", "shaft.png"], [])):
+        record = call("draw", file, "--output", "throw.svg", *shaft, "--force", "--json").json()
+        assert [name for name in record["not_used"] if name.startswith("throws")] == named

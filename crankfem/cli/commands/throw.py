@@ -273,7 +273,7 @@ def export(
             "has all throws."
         )
     content = engine_sections(engine)
-    throw, material = select_throw(content, name, out.quiet or shaft)
+    throw, material = select_throw(content, name, out.quiet or shaft, alone=not shaft)
     record: dict[str, Any] = {"file": str(file)}
     if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
@@ -362,7 +362,7 @@ def draw(
     for file in filter(None, (drawing, picture, shaft)):
         check_writable(file, "picture", source)
     content = engine_sections(engine)
-    dimensions, _ = select_throw(content, name, out.quiet)
+    dimensions, _ = select_throw(content, name, out.quiet, alone=shaft is None)
     crankshaft = load_crankshaft(content) if shaft else None
     title = _title(content) if name is None else f"{_title(content)}, throw {name}"
     files = [write_drawing(dimensions, drawing, title)]
