@@ -3,8 +3,8 @@
 Source: T. I. Mikhina, V. S. Vyalkov, Politekhnicheskiy molodezhnyy zhurnal 2024 no. 05 (94): tables 1 to 3,
 equations (1) to (4), percentages in the text.
 
-Tolerance: round-off of (1) to (4); half of the last digit of percentages. Those by the kinematics do not
-follow from table 1; lengths that give them are tested.
+Tolerance: round-off of (1) to (4); half of the last digit of percentages. Those by the kinematics need
+other lengths than table 1.
 
 Table 1: R 130, R_1 150, L 650, L_n 500 mm; table 2: piston 44.1 kg, reciprocating 66.0 kg with the main
 rods and 55.1 kg with the hinged ones, rotating 133.3 kg; table 3: cranks 0-180-180-0, 45 deg, 1000 1/min.

@@ -1,4 +1,4 @@
-"""Assumed inputs are counted; a verdict that depends on one is undecided.
+"""Assumed inputs counted; an undecided verdict.
 
 Source: each value that an engine file leaves open, given one by one; the steel at which the verdict
 changes, by the class rule inverted by hand.

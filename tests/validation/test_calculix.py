@@ -1,4 +1,4 @@
-"""Compliances and reactions of throws with all features, on the same mesh.
+"""Compliances and reactions of throws, on the same mesh.
 
 Source: CalculiX 2.20 (https://www.calculix.de), element C3D10, rigid end sections, each load on the same
 coarse mesh of the whole throw; crankfem by its condensed 12 x 12 stiffness, not corrected for

@@ -1,4 +1,4 @@
-"""Difference between a whole crankshaft and its chain, on five engines.
+"""Difference between a whole crankshaft and its chain.
 
 Source: statics and an eigenproblem: stiffness assembled row by row with springs of bearings, coupling and
 ring; inertia at the chain's positions about the shaft axis.

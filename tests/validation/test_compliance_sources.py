@@ -1,4 +1,4 @@
-"""Error of each source of compliances, carried to bands, bounds and verdict.
+"""Error of each source of compliances, carried to the verdict.
 
 Source: own models of known equations, so that their bands are known; eigenproblems with stiffnesses scaled
 by the bands' ends; whole calculations at both ends.

@@ -1,11 +1,10 @@
 """Convergence of the axial compliance with the mesh.
 
 Source: Williams's exponents (J. Appl. Mech. 19, 1952), solved in the test: s = 0.545 at free corners of 270
-deg, 0.711 where a rigid end holds one of 90 deg; the energy's error has order 2 s (Strang and Fix 1973,
-chapter 8).
+deg, 0.711 at a rigid end; the energy's error has order 2 s (Strang and Fix 1973, chapter 8).
 
-Tolerance: twice the scatter of 0.2 between orders of own meshes, which are not nested; the error estimate
-assumes orders 1.0 (sharp) and 1.6 (fillets).
+Tolerance: twice the scatter of 0.2 of own meshes, which are not nested; the error estimate assumes orders
+1.0 (sharp) and 1.6 (fillets).
 
 Where stresses grow like r^(s - 1) at an edge, the energy has an error of order 2 s on evenly refined
 meshes; smooth parts leave order 4 with ten-node tetrahedra. The exponents s are roots of

@@ -1,4 +1,4 @@
-"""Critical speeds with damping, damped modes and the cause of a peak.
+"""Critical speeds with damping, damped modes, causes of peaks.
 
 Source: matrices M, C, K, H of an engine of six cylinders with viscous damper, numpy alone: each order at
 very many speeds, eigenvalues, sums over angles.

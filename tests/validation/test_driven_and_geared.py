@@ -1,4 +1,4 @@
-"""A motor-driven compressor and a geared generating set with a soft coupling, held against our own models.
+"""A motor-driven compressor and a geared set with a soft coupling.
 
 Source: slider-crank, chains and their dynamic stiffness written anew with numpy from the files' values;
 compliances, masses and gas pressure are taken as numbers.

@@ -1,8 +1,7 @@
 """Modes of straight bars and of a shaft of four throws.
 
 Source: free bars: n c/(2 L), corrected for contraction (A. E. H. Love 1927, art. 278); Timoshenko's beam
-with J. R. Hutchinson's coefficient (J. Appl. Mech. 68, 2001, 87-92); four throws with natural modes to 8000
-Hz.
+(J. R. Hutchinson, J. Appl. Mech. 68, 2001, 87-92); four throws with natural modes to 8000 Hz.
 
 Tolerance: twice the measured values: torsion 3e-5 (first mode) to 1.6e-4 (fourth), tension 5e-5, bending
 2e-5 to 2.5e-4.

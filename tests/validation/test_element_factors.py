@@ -1,10 +1,10 @@
-"""Factors of stress concentration by finite elements on the rule's mesh.
+"""Factors of stress concentration on the rule's mesh.
 
 Source: the same three throws with half the element sizes of IACS UR M53 Rev.5, Appendix III, at fillets and
 oil hole: 2.6 times the nodes.
 
-Tolerance: 3 %, the stated accuracy. Measured 0.4 %; beta_Q by method 1 up to 2.4 %, a difference of
-stresses 10 to 14 times its size.
+Tolerance: 3 %, the stated accuracy. Measured 0.4 %; beta_Q by method 1, a small difference of stresses, 2.4
+%.
 
 Appendix III requires elements of a quarter of the fillet's radius, layers of one, two and three times that
 below, and six across the web. These sizes are halved at the fillets, below them and at the oil hole, with

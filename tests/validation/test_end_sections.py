@@ -1,10 +1,10 @@
 """Rigid and averaged end sections as bounds of a continuous shaft.
 
-Source: own derivation: throws in line are mirror images in the middles of their journals, so a quarter
-solved directly gives e_n; opposite ones are bounded by polynomials of degree k.
+Source: own derivation: throws in line are mirror images in their journals' middles, so a quarter gives e_n;
+polynomials of degree k bound opposite ones.
 
-Tolerance: 15 %, as the mesh's error nearly cancels in differences. Measured: rigid sections in line 1.7 %
-too stiff, averaged ones 2.6 % too soft; opposite 0.5 and 0.3 %.
+Tolerance: 15 %, as the mesh's error nearly cancels. Rigid sections in line are 1.7 % too stiff, averaged
+ones 2.6 % too soft; opposite 0.5 and 0.3 %.
 
 Under an axial pull those middles stay plane, without shear. A throw and one turned by 180 deg are images of
 each other about the line x through the middle of the journal: ux is even in y, uy and uz odd. Prescribed

@@ -1,7 +1,6 @@
-"""Equilibrium of every body of the chains of all engines here, and the axial force of throws.
+"""Equilibrium of every body of all chains.
 
-Source: Newton's second law body by body, for every body of all engines here: the force through a throw
-accelerates all masses up to the free end.
+Source: Newton's second law: the force through a throw accelerates all masses up to the free end.
 
 Tolerance: 1e-9 of the largest spring force, round-off; 0.5 % where modal damping acts on all masses (0.3
 %); values printed to 0.1 kN 0.2 kN.

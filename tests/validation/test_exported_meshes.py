@@ -1,4 +1,4 @@
-"""Exported meshes and solids, each read by the program that it is for.
+"""Exported meshes and solids, read by other programs.
 
 Source: CalculiX 2.20 solves the plain .inp, gmsh 4.15 integrates .msh and .med and measures the STEP,
 MEDCoupling 9.15 the .med, VTK 9.7 the .vtu and .stl, meshio 5.3 the .inp; references are crankfem's own

@@ -1,4 +1,4 @@
-"""The first mode reported is that of the crankshaft, not of a coupling or a ring.
+"""The first mode reported is the crankshaft's own.
 
 Source: two inertias on a coupling of 1e5 N m/rad: 1/(2 pi) sqrt(k (1/J1 + 1/J2)).
 

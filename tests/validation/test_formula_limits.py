@@ -1,10 +1,10 @@
 """Published axial formulas in the limit of slender beams.
 
-Source: plane frame of journal halves, webs and pin by a stiffness method in the test: pin + 2/3 web with
-free ends (gamma = 180 deg), towards 1/2 pin + 1/6 web with blocked tilt (0 deg).
+Source: plane frame of journal halves, webs and pin in the test: pin + 2/3 web at 180 deg, towards 1/2 pin +
+1/6 web at 0 deg.
 
 Tolerance: round-off (1e-9) of a formula's own terms; against the frame its further terms: 0.667 for 2/3,
-8.024 for 8, shares of h added to lengths.
+8.024 for 8.
 
 Further terms: 0.167 for 1/6 and 0.667 for 2/3 (1e-3), 4.72 x 1.7 = 8.024 for 8 (3e-3), journals and pin
 that bend while the webs' tilt is blocked (2e-2), shares of h added to lengths (1e-2 and more, stated at the

@@ -1,10 +1,9 @@
 """The cycle model of the gas pressure.
 
 Source: ideal cycles (J. B. Heywood, Internal Combustion Engine Fundamentals): p V^g = const, Otto's work
-ratio 1 - r^(1 - g), rise of pressure (g - 1) Q / V; Wiebe's 6.908 = -ln(1 - 0.999).
+ratio 1 - r^(1 - g), rise of pressure (g - 1) Q / V; Wiebe's law.
 
-Tolerance: round-off where the model is the closed form; a short combustion's shortfall (r - 1) (1 + R / L)
-a^2 / 4 to a hundredth.
+Tolerance: round-off where the model is the closed form; shortfall of a short combustion to a hundredth.
 
 Volume of a slider-crank: V = V_c + A (R + L - R cos a - sqrt(L^2 - R^2 sin^2 a)). The shortfall against
 combustion at constant volume is V / V_c - 1.

@@ -1,8 +1,7 @@
 """The elastic hinge of a two-stroke crosshead engine.
 
 Source: A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov 2024 no. 1-2, pp. 50-55, doi
-10.24412/0131-4270-2024-1-2-50-55: equations (1) to (14), figures 3 and 4; the one resulting number printed
-is 9.75 MPa for 142 1/min.
+10.24412/0131-4270-2024-1-2-50-55: equations (1) to (14), figures 3 and 4, 9.75 MPa for 142 1/min.
 
 Tolerance: 1e-9 where the paper's statement is exact; figures of three digits are records of this program.
 

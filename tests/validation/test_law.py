@@ -1,10 +1,10 @@
 """The law on throws excluded from its fit.
 
-Source: corrected finite elements of random throws not used for training (data/tables/law_throws.csv.gz,
-samples plain-test and real-test), and of the shipped engines' throws.
+Source: corrected finite elements of random throws not used for training (data/tables/law_throws.csv.gz),
+and of the shipped engines' throws.
 
-Tolerance: as the law's page states: plain throws' e_n 0.2 % rms, 1 % at most; real ones 1 and 4 %; most
-shipped engines 2 %. A band must hold 95 of 100 throws.
+Tolerance: plain throws' e_n 0.2 % rms, 1 % at most; real ones 1 and 4 %; most shipped engines 2 %. A band
+must hold 95 of 100 throws.
 
 End sections are rigid, e_n at 1 %. Settings of the slopes of real throws were chosen with those of
 real-test in view. Slopes are held as the service's page states, per cent for one per cent, against those of

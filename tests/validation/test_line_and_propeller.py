@@ -1,10 +1,10 @@
-"""Crankshafts with a shaft line and propeller, against solids of the same dimensions.
+"""Crankshafts with a shaft line and propeller.
 
-Source: finite elements from the first main bearing to the propeller, corrected for their mesh (0.2 %): line
-in one solid with the crankshaft, or joined by a coupling; Euler's beam; bars by transfer matrices.
+Source: finite elements from the first main bearing to the propeller, corrected for their mesh (0.2 %), the
+line in one solid with the crankshaft or joined by a coupling; Euler's beam; bars by transfer matrices.
 
-Tolerance: coupling 1 %, from mode 3 on 3 %; one solid: torsion 1 %, axial 8 % (the line holds the flywheel
-against tilting, which crankfem leaves out), 3 % with the line's bending added; bars 0.1 %.
+Tolerance: coupling 1 %, from mode 3 on 3 %; one solid: torsion 1 %, axial 8 %, as the line holds the
+flywheel against tilting, which crankfem leaves out; bars 0.1 %.
 
 Two direct-drive engines, from their engine and chain files. Three throws at 0-120-240 degrees: R 880, D
 500/500, L 180/190, B 920, h 190, fillets 35 mm, 7 m of line of 340 and 410 mm. Two throws at 0-180 degrees,

@@ -1,11 +1,10 @@
-"""Crankshaft torque of the MWM six-cylinder diesel under its digitized cylinder pressure.
+"""Torque of the MWM diesel under its digitized cylinder pressure.
 
-Source: the diesel's pressure as digitized in openTorsion (Aalto-Arotor, examples/ICE_data, commit
-88ab7893); an independent solution with 7,200 points of the cycle; chain of Mendes et al. 2008, doi
+Source: pressure as digitized in openTorsion (Aalto-Arotor, examples/ICE_data, commit 88ab7893); an
+independent solution with 7,200 points of the cycle; chain of Mendes et al. 2008, doi
 10.1243/14644193JMBD126.
 
-Tolerance: 1 %, for digits of the curve and the cut inertia series; openTorsion's own orders are 0.2 % low,
-as it repeats the end of the cycle.
+Tolerance: 1 %, for digits of the curve and the cut inertia series.
 
 The engine (shipped as mwm-six): bore 105, stroke 137, rod 207 mm, 2.521 kg of reciprocating mass in each
 cylinder, firing offsets (0, 4, 2, 5, 1, 3) times 120 deg. The pressure at a speed is the curve times its

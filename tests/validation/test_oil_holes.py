@@ -3,8 +3,8 @@
 Source: W. D. Pilkey, Peterson's Stress Concentration Factors, chapter 4; IACS UR M53 Rev.5 (gamma_B,
 gamma_T at d = 0.2); G. Kirsch, Z. VDI 42 (1898) 797-807: 3 and 4; volumes by elliptic integrals.
 
-Tolerance: 3 %, fitted to photoelastic measurements; small holes in bending and torsion 8.5 %: CalculiX also
-finds 3 to 8 % more; volumes 1e-9, meshes 0.1 %.
+Tolerance: 3 %, fitted to measurements; small holes in bending and torsion 8.5 %: CalculiX also finds 3 to 8
+% more; volumes 1e-9, meshes 0.1 %.
 
 - Volume of a cylinder of radius a across one of radius R:
   8/3 R ((R^2 + a^2) E(m) - (R^2 - a^2) K(m)), m = (a/R)^2, with the complete elliptic integrals K and E; a

@@ -3,8 +3,8 @@
 Source: A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Marine Engineering and Technologies, 2021 no. 4, pp.
 75-83, doi 10.24143/2073-1574-2021-4-75-83: its table, without dimensions.
 
-Tolerance: digits of the print. The columns contradict each other, so the table cannot verify a formula;
-tested are transcription, repaired powers of ten and the contradiction.
+Tolerance: digits of the print. Columns contradict each other, so the table cannot verify a formula; tested
+are transcription, repaired powers of ten and the contradiction.
 
 Also the web of the column TsNIIMF in its plain reading.
 """

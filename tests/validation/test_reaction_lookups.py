@@ -1,7 +1,6 @@
 """Reactions from a study's equations, for 50 fresh throws.
 
-Source: finite elements of 50 throws drawn from the box of the 6chn25-34 study (web width, web thickness,
-pin length), by another seed than its designs.
+Source: finite elements of 50 throws drawn from the box of the 6chn25-34 study by another seed.
 
 Tolerance: 1.5 % root mean square of the axial reaction (measured 0.1 to 0.3); bands hold 95 of 100
 components.

@@ -1,11 +1,10 @@
 """Crankpin load by two and by three masses, as in figure 4.
 
 Source: Yamanin, Zhukov, Baryshnikov 2018, doi 10.21821/2309-5180-2018-10-1-191-200, figure 4: ChN 13/14 (a)
-at rated load, (b) motored; its text: momentary values differ by up to 5 to 8 %. Masses, pressures and
-curves are not printed.
+at rated load, (b) motored. Masses, pressures and curves are not printed.
 
-Tolerance: round-off of corrected (1), (9), (10), typed into the test; percentages to half of the last digit
-that the mechanism page states.
+Tolerance: round-off of corrected (1), (9), (10); percentages to half of the last digit that the mechanism
+page states.
 
 Static model of two masses (1), dynamic one of three (2). Masses and pressures here are the shipped
 engine's, for (b) with a rod of 225 mm and atmospheric intake pressure. Formulas are corrected as in

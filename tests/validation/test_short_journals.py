@@ -1,10 +1,10 @@
 """Frequencies of shafts whose sections bend.
 
-Source: finite elements of whole shafts, free, nothing condensed, no section rigid: four throws with short
-journals, six of the 25/34; corrected for their mesh, own error 0.1 %.
+Source: finite elements of whole shafts, free, nothing condensed: four throws with short journals, six of
+the 25/34; corrected for their mesh, own error 0.1 %.
 
-Tolerance: modes 1 to 5 0.7 %, 6 to 10 1 %, from a superelement made to 1 %. Measured with rigid sections up
-to 3.9 % (four throws), 0.9 % (six).
+Tolerance: modes 1 to 5 0.7 %, 6 to 10 1 %, from a superelement made to 1 %. With rigid sections up to 3.9
+%.
 
 Four throws: R 64, D 88/75, L 34/38, B 112 mm obround, h 22, fillets 4 mm, cranks at 0-180-180-0 degrees, a
 quarter meshed (`benchmarks/shaft_solid.py`, `mesh_shaft_quarter`). Six: cranks at 0-120-240-240-120-0

@@ -1,10 +1,9 @@
-"""Slopes over the dimensions of a throw, against differences between throws.
+"""Slopes over the dimensions of a throw.
 
 Source: differences between throws 2 to 6 % apart, each with its own meshes (R 170, D 220/180, L 120/139, B
 300, h 68 mm): -0.4569 to -0.4578; volume of cylinders and prisms for an 8ChN 13/14's mass.
 
-Tolerance: the error that the program states for each slope, at most 0.01; mass 0.001, as facets leave out
-so much volume.
+Tolerance: the error stated for each slope, at most 0.01; mass 0.001, as facets leave out so much volume.
 
 Slopes of the axial compliance over the diameter of the main journal, with fillets of 12 mm; of the mass of
 the first throw of an 8ChN 13/14 with both counterweights of 122 mm over their radii.

@@ -1,11 +1,10 @@
 """Compliances of throws by independent finite elements.
 
-Source: design calculations by independent finite elements, refined until they settled, e_n 1.41e-9 m/N with
-sharp corners and 1.281e-9 with fillets; CalculiX 2.20; a study of the angle between cranks on coarse
-meshes.
+Source: design calculations by independent finite elements, refined until they settled; CalculiX 2.20; a
+study of the angle between cranks on coarse meshes.
 
 Tolerance: fillets 1 %, the requested accuracy; sharp corners 2 %, still rising with refinement; coarse
-meshes 6 %, as they are too stiff by that.
+meshes, too stiff, 6 %.
 
 All throws: crank radius 170 mm, journals 220 and 180 mm, journal lengths 120 and 139 mm, obround webs
 300 mm wide, E = 2.1e11 Pa, nu = 0.3, end sections rigid.

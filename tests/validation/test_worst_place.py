@@ -1,4 +1,4 @@
-"""The worst place of a verdict is the worst there is at running speeds, and its cause is of that place.
+"""The worst place of a verdict, and its cause.
 
 Source: the largest stress of all elements and speeds of an in-line eight made for this: above the running
 range another element is worst.
