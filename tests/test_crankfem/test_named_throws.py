@@ -420,9 +420,10 @@ def test_commands_take_the_throw_they_are_told(call):
         assert answer.err == ""
         told.append(answer.json())
     assert first.json() == told[0] != told[1]
-    # The heavy one is like the plain one.
+    # The heavy one is like the plain one, but for two lengths of its own.
     unused = [[n for n in record["not_used"] if n.startswith("throws.")] for record in told]
-    assert unused == [[], ["throws.heavy"]]
+    lengths = [f"throws.plain.{name}" for name in ("pin_length", "main_journal_length")]
+    assert unused == [lengths, ["throws.heavy"]]
     assert call("draw", UNEQUAL, "--throw", "plain", "--json").json()["files"] == [
         "unequal-three-throw-plain.svg"
     ]
