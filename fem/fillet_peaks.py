@@ -705,7 +705,14 @@ def fillet_meshings(mesh: ThrowMesh, fillets: Sequence[Fillet]) -> tuple[FilletM
         areas = 0.5 * np.linalg.norm(np.cross(second - first, third - first), axis=1)
         size = float(np.sqrt(4.0 / math.sqrt(3.0) * areas.max()))
         step = LARGEST_SIZE * fillet.radius
-        depth = _depth(fillet, places)
+        # Depth of the elements' middles below the fillet's surface; infinite outside it.
+        journal, radius = fillet.journal, fillet.radius
+        on_left = abs(fillet.start - journal.start) < abs(fillet.end - journal.end)
+        center = fillet.end if on_left else fillet.start
+        outwards = journal.radius + radius - np.linalg.norm(places[:, :2] - journal.axis, axis=1)
+        along = (center - places[:, 2]) if on_left else (places[:, 2] - center)
+        beside = (outwards < 0.0) | (along < 0.0) | ~on_crank_side(fillet, places)
+        depth = np.where(beside, np.inf, np.hypot(outwards, along) - radius)
         layers, start = [], 0.0
         for thickness in LAYERS:
             off = np.abs(depth / step - (start + 0.5 * thickness)) / (0.5 * thickness)
@@ -776,17 +783,6 @@ def _in_web(web: WebPlate, points: Array) -> NDArray[np.bool_]:
     return np.asarray(
         height & (points[:, 2] > web.start - reach) & (points[:, 2] < web.end + reach)
     )
-
-
-def _depth(fillet: Fillet, places: Array) -> Array:
-    """Depth (n,) of points below the fillet's surface; infinite outside it."""
-    journal, radius = fillet.journal, fillet.radius
-    on_left = abs(fillet.start - journal.start) < abs(fillet.end - journal.end)
-    center = fillet.end if on_left else fillet.start
-    outwards = journal.radius + radius - np.linalg.norm(places[:, :2] - journal.axis, axis=1)
-    along = (center - places[:, 2]) if on_left else (places[:, 2] - center)
-    beside = (outwards < 0.0) | (along < 0.0) | ~on_crank_side(fillet, places)
-    return np.where(beside, np.inf, np.hypot(outwards, along) - radius)
 
 
 # Surfaces where stresses are asked for, and those that are not free.

@@ -391,18 +391,10 @@ def _web(name: str, before: Cylinder, after: Cylinder, corners: Array) -> WebPla
     plate = WebPlate(name, start, end, foot.axis, tip.axis, Outline(()))
     middle = 0.5 * (foot.radius + plate.distance - tip.radius)
     height = min(max(middle, 0.0), plate.distance)
-    half = 0.5 * _width(plate, height, corners)
-    low, high = -foot.radius, plate.distance + tip.radius
-    turns = ((0.0, low), (half, low), (half, high), (0.0, high))
-    outline = Outline(tuple(Line(corner, other) for corner, other in pairwise(turns)))
-    return WebPlate(name, start, end, foot.axis, tip.axis, outline)
-
-
-def _width(web: WebPlate, height: float, corners: Array) -> float:
-    """Distance of the outermost points of a surface (t, 3, 3) across a web, halfway through it [m]."""
-    up = np.array([*web.direction, 0.0])
+    # The outermost points of the surface across the web, halfway through it.
+    up = np.array([*plate.direction, 0.0])
     across = np.array([up[1], -up[0], 0.0])
-    local = corners - np.array([*web.foot, 0.5 * (web.start + web.end)]) - height * up
+    local = corners - np.array([*plate.foot, 0.5 * (plate.start + plate.end)]) - height * up
     u, first, second = local @ across, local @ up, local[..., 2]
     # Shares of the corners at the point that the line meets, of triangles that are not edge-on.
     shares = np.stack(
@@ -413,7 +405,11 @@ def _width(web: WebPlate, height: float, corners: Array) -> float:
     met = total != 0.0
     shares = shares[met] / total[met, None]
     at = np.sum(shares * u[met], axis=1)[(shares >= 0.0).all(axis=1)]
-    return float(np.ptp(at)) if len(at) else 0.0
+    half = 0.5 * (float(np.ptp(at)) if len(at) else 0.0)
+    low, high = -foot.radius, plate.distance + tip.radius
+    turns = ((0.0, low), (half, low), (half, high), (0.0, high))
+    outline = Outline(tuple(Line(corner, other) for corner, other in pairwise(turns)))
+    return WebPlate(name, start, end, foot.axis, tip.axis, outline)
 
 
 @contextmanager

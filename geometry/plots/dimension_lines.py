@@ -337,7 +337,14 @@ class View:
         column = self.high[0] + 10.0 * self.point
         wished = sorted(texts, key=lambda callout: -callout.wish)
         heights = [text_size(callout.text)[1] + 3.0 for callout in wished]
-        levels = _spread([callout.wish for callout in wished], [h * self.point for h in heights])
+        # Levels near the wished ones, descending, with room for the heights.
+        groups: list[tuple[list[float], list[float]]] = []  # wishes and heights of touching texts
+        for callout, height in zip(wished, heights, strict=True):
+            groups.append(([callout.wish], [height * self.point]))
+            while len(groups) > 1 and _levels(*groups[-2])[1][1] < _levels(*groups[-1])[1][0]:
+                (first, first_heights), (second, second_heights) = groups[-2:]
+                groups[-2:] = [(first + second, first_heights + second_heights)]
+        levels = [level for group in groups for level in _levels(*group)[0]]
         for callout, level in zip(wished, levels, strict=True):
             elbow = np.array([column, level])
             away = elbow - callout.center
@@ -413,17 +420,6 @@ class View:
 
 def _meet(box: Box, other: Box) -> bool:
     return box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3]
-
-
-def _spread(wishes: Sequence[float], heights: Sequence[float]) -> list[float]:
-    """Levels near the wished ones, descending, with room for the heights."""
-    groups: list[tuple[list[float], list[float]]] = []  # wishes and heights of touching texts
-    for wish, height in zip(wishes, heights, strict=True):
-        groups.append(([wish], [height]))
-        while len(groups) > 1 and _levels(*groups[-2])[1][1] < _levels(*groups[-1])[1][0]:
-            (first, first_heights), (second, second_heights) = groups[-2:]
-            groups[-2:] = [(first + second, first_heights + second_heights)]
-    return [level for group in groups for level in _levels(*group)[0]]
 
 
 def _levels(wishes: Sequence[float], heights: Sequence[float]) -> tuple[list[float], Point]:
