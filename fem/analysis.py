@@ -1020,8 +1020,7 @@ class RefinementLevel:
                 symmetry,
                 self.solver,
                 problem.end_sections,
-                problem.watch,
-                held=self.held,
+                self.held,
             )
             for symmetry in symmetries
         ]
@@ -1053,7 +1052,7 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
         held = hold_ends(mesh, stiffness, problem.degree) if rigid else None
     solver = SharedSolver(problem.solver, watch)
     axial = axial_class(mesh.part)
-    solved = condense(mesh, stiffness, pins, axial, solver, problem.end_sections, watch, held=held)
+    solved = condense(mesh, stiffness, pins, axial, solver, problem.end_sections, held)
     part = solved.up_to(RIGID)
     with watch.lap("error estimate"):
         recovery = StressRecovery(mesh.points, mesh.elements)

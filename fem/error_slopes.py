@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from fem.correction import StressRecovery
 from fem.material import Material
-from fem.solver import SharedSolver, Stopwatch, assemble_stiffness
+from fem.solver import SharedSolver, assemble_stiffness
 from fem.superelement import CondensedClass, hold_ends, solve_given_ends
 from fem.symmetry import RIGID, NodalLoads
 from geometry.mesh import ThrowMesh
@@ -121,19 +121,19 @@ def error_adjoints(
     mesh: ThrowMesh, material: Material, classes: Sequence[CondensedClass]
 ) -> list[ErrorAdjoint]:
     """Solve for the adjoints of all classes of a throw."""
-    watch, adjoints = Stopwatch(), []
+    adjoints = []
     recovery = StressRecovery(mesh.points, mesh.elements)
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
     held = hold_ends(mesh, stiffness, 0)
     still = np.zeros((len(held.ends), 0))
-    solver = SharedSolver(classes[0].solver, watch)
+    solver = SharedSolver(classes[0].solver)
     for part in (each.up_to(RIGID) for each in classes):
         solutions = np.concatenate([part.fields, part.pin_fields], axis=2)
         duals = recovery.duals(solutions, material)
         loads = recovery.forces(duals.stresses).reshape(mesh.points.size, -1)
         fields, forces = (
             solved.reshape(solutions.shape)
-            for solved in solve_given_ends(mesh, held, still, loads, part.symmetry, solver, watch)
+            for solved in solve_given_ends(mesh, held, still, loads, part.symmetry, solver)
         )
         errors = duals.products, duals.stresses
         adjoints.append(

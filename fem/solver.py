@@ -534,8 +534,8 @@ class SharedSolver:
     def __init__(
         self, solver: str = "auto", watch: Stopwatch | None = None, *, few_sides: bool = True
     ) -> None:
-        self._watch = Stopwatch() if watch is None else watch
-        self.solver = _choose(solver, self._watch)
+        self.watch = Stopwatch() if watch is None else watch
+        self.solver = _choose(solver, self.watch)
         self._pattern: _PardisoPattern | None = None
         self._few_sides = few_sides
 
@@ -552,7 +552,7 @@ class SharedSolver:
         SolveError
             If the matrix is singular.
         """
-        with self._watch.lap("factorization"):
+        with self.watch.lap("factorization"):
             size = float(abs(upper).sum(axis=1).max())
             if self.solver == "superlu":
                 apply = _superlu(upper)

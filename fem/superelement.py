@@ -25,7 +25,6 @@ from crankbase.frames import grid, table
 from crankbase.results import Internal, Quantity, Result, result
 from fem.solver import (
     SharedSolver,
-    Stopwatch,
     check_reciprocity,
     check_superelement,
     symmetric_product,
@@ -184,7 +183,7 @@ class HeldEnds:
 
 
 def hold_ends(mesh: ThrowMesh, stiffness: sparse.csr_array, degree: int) -> HeldEnds:
-    """Hold the end sections; parameters as of `condense`."""
+    """Hold the end sections, which also move as polynomials of a degree; 0 for none."""
     ends = _end_unknowns(mesh, axial_class(mesh.part))
     free = np.delete(np.arange(mesh.points.size), ends)
     of_free, of_ends = stiffness[free], stiffness[ends]
@@ -206,8 +205,6 @@ def condense(
     symmetry: SymmetryClass,
     solver: str | SharedSolver = "auto",
     end_sections: EndSections = "rigid",
-    watch: Stopwatch | None = None,
-    degree: int = 0,
     held: HeldEnds | None = None,
 ) -> CondensedClass:
     """Condense one symmetry class of a throw's meshed part.
@@ -226,12 +223,9 @@ def condense(
         See `fem.solver.SharedSolver`; the classes of one mesh share a pattern.
     end_sections : {"rigid", "averaged"}
         Whether end sections move as rigid discs, or only their mean motions are given.
-    watch : Stopwatch, optional
-        Measures the time.
-    degree : int
-        Of the polynomials that end sections also move as; 0 for none, always so of averaged sections.
     held : HeldEnds, optional
-        From `hold_ends`, which several classes share; unused with averaged sections.
+        From `hold_ends`, which several classes share; by default those of rigid sections, and unused with
+        averaged ones.
 
     Raises
     ------
@@ -244,21 +238,20 @@ def condense(
         raise InputError(
             f'end_sections: given {end_sections!r}; allowed are "rigid" and "averaged".'
         )
-    watch = Stopwatch() if watch is None else watch
     pin_loads, components = _pin_loads(mesh, pins, symmetry)
-    shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver, watch)
+    shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver)
     # The meshed part carries its share of a load on the whole pin.
     shares = pin_loads / symmetry.copies
     ends = _end_unknowns(mesh, symmetry)
     if end_sections == "rigid":
-        held = held or hold_ends(mesh, stiffness, degree)
+        held = held or hold_ends(mesh, stiffness, 0)
         sections = held.sections
         section_motions = [m for _, m in unit_end_motions(mesh, symmetry, sections)]
         motions = np.concatenate(section_motions).reshape(len(held.ends), -1)
-        solved, forces = solve_given_ends(mesh, held, motions, shares, symmetry, shared, watch)
+        solved, forces = solve_given_ends(mesh, held, motions, shares, symmetry, shared)
     else:
         sections = RIGID
-        solved = np.hstack(_with_averaged_ends(mesh, stiffness, shares, symmetry, shared, watch))
+        solved = np.hstack(_with_averaged_ends(mesh, stiffness, shares, symmetry, shared))
         forces = symmetric_product(stiffness, solved)
         forces[:, -len(components) :] -= shares
     if shared is not solver:
@@ -359,7 +352,6 @@ def solve_given_ends(
     loads: Array,
     symmetry: SymmetryClass,
     solver: SharedSolver,
-    watch: Stopwatch,
 ) -> tuple[Array, Array]:
     """Find fields and forces (3 n, k + a) of motions (h, k) of the end sections, and of loads (3 n, a).
 
@@ -373,7 +365,7 @@ def solve_given_ends(
     blocked = blocked_unknowns(mesh, symmetry).ravel()[held.free]
     sides[blocked] = 0.0
     factors = solver.factorize(uncoupled(held.inner, blocked))
-    with watch.lap("solves"):
+    with solver.watch.lap("solves"):
         fields[held.free], residual = factors.solve_with_residual(sides)
     forces[held.free] = -residual
     forces[held.ends] = held.coupling.T @ fields[held.free]
@@ -417,7 +409,6 @@ def _with_averaged_ends(
     pin_loads: Array,
     symmetry: SymmetryClass,
     solver: SharedSolver,
-    watch: Stopwatch,
 ) -> tuple[Array, Array]:
     """Fields (3 n, k) of unit mean motions of the end sections, and (3 n, a) of loads on the pins.
 
@@ -443,7 +434,7 @@ def _with_averaged_ends(
     loads = np.hstack([end_loads @ balanced, pin_loads + end_loads @ balancing])
     loads[blocked] = 0.0
     factors = solver.factorize(uncoupled(stiffness, blocked))
-    with watch.lap("solves"):
+    with solver.watch.lap("solves"):
         solution = factors.solve(loads)
     count = balanced.shape[1]
     elastic, pin_fields = solution[:, :count], solution[:, count:]

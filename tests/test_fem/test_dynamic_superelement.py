@@ -19,6 +19,7 @@ from fem.superelement import (
     assemble_shaft,
     combine_classes,
     condense,
+    hold_ends,
     nodes_on,
     shaft_compliances,
     sharing_sections,
@@ -324,7 +325,7 @@ def solved(mesh, half_mesh, full_mesh):
         pins = unit_pin_loads(one)
         for degree in degrees:
             classes = [
-                condense(one, matrix, pins, part, degree=degree)
+                condense(one, matrix, pins, part, held=hold_ends(one, matrix, degree))
                 for part in symmetry_classes(one.part)
             ]
             found[one.part, degree] = classes, combine_classes(classes)

@@ -64,7 +64,7 @@ from dynamics.excitation.cylinders import CylinderForces
 from fem.material import STEEL
 from fem.modes import dynamic_superelement
 from fem.solver import assemble_stiffness
-from fem.superelement import condense
+from fem.superelement import condense, hold_ends
 from fem.symmetry import symmetry_classes
 from line_plants import LineSolid, Plant
 from parts_in_a_line import crank_throw
@@ -258,7 +258,8 @@ def straight_shaft(line):
     mesh = shaft_quarter(PIECE)
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
     parts, none = symmetry_classes(mesh.part), [no_pin(mesh)]
-    classes = [condense(mesh, matrix, none, part, degree=2) for part in parts]
+    held = hold_ends(mesh, matrix, 2)
+    classes = [condense(mesh, matrix, none, part, held=held) for part in parts]
     piece = dynamic_superelement(mesh, STEEL, classes, 5000.0)
     # A pin takes no load here, but must stand aside of the axis.
     beside = [[0.0, DIAMETER, PIECE / 2.0]]

@@ -18,7 +18,7 @@ import pytest
 
 from fem.material import STEEL
 from fem.solver import assemble_stiffness
-from fem.superelement import RX, RZ, UZ, assemble_shaft, combine_classes, condense
+from fem.superelement import RX, RZ, UZ, assemble_shaft, combine_classes, condense, hold_ends
 from fem.symmetry import SECTIONS, degree_of, symmetry_classes
 from mirrored_mesh import add_mirror_image
 from straight_bars import DIAMETER, no_pin, shaft_quarter
@@ -32,9 +32,10 @@ SEAMLESS, OF_THE_SEAM = 1e-5, 0.2
 
 def superelement(mesh, degree=0):
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
+    held = hold_ends(mesh, matrix, degree)
     return combine_classes(
         [
-            condense(mesh, matrix, [no_pin(mesh)], part, degree=degree)
+            condense(mesh, matrix, [no_pin(mesh)], part, held=held)
             for part in symmetry_classes(mesh.part)
         ]
     )
