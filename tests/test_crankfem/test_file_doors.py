@@ -261,6 +261,7 @@ def _declared(place):
 NO_TABLES = [
     '[throw]\nleft_web = "x"\nright_web = 3\nfurther_pins = 4',
     '[throw]\nleft_web = []\nright_web = {a = 1}\nfurther_pins = ["a"]',
+    "[throw]\n[load]\npoints = [3]\n[gas]\nmean_effective_pressure = 1\nintake_pressure = 2",
     '[throws]\na = 3\n[study]\nthrow = ["a"]',
     '[throws.a]\nlike = ["b"]\n[shaft]\nthrows = 3',
     '[throws.a]\nlike = "b"\n[throws.b]\nlike = "a"\n[shaft]\nthrows = [["a"], "b"]',

@@ -210,10 +210,17 @@ def _without_effect(
     for kind in ("thrust", "torque"):
         if f"{kind}_shares" not in fields.get("propeller_forces", ()):
             yield f"propeller_forces.rated_{kind}"
-    if "pressure_table" in fields.get("gas", ()) and command != "mechanism --motored":
+    gas = fields.get("gas", set())
+    if "pressure_table" in gas and command != "mechanism --motored":
         yield from ("gas.intake_pressure", "gas.exhaust_pressure")
         if command in ("mechanism", "harmonics"):  # else of a cylinder that misfires
             yield "gas.compression_ratio"
+    points = sections.get("load", {}).get("points")
+    at_points = isinstance(points, list) and all(
+        isinstance(point, Mapping) and "peak_pressure" in point for point in points
+    )
+    if at_points and {"mean_effective_pressure", "intake_pressure"} <= gas:
+        yield from ("gas.peak_pressure", "gas.combustion_start")  # which these points have instead
     yield from _of_map(sections.get("gas_map"))
 
 
