@@ -30,6 +30,9 @@ from file_fields import FILES, toml_text
 from satellite_cases import of_satellites
 
 SHARE = 0.03
+# What is held against something, as a limit for passing, must be crossed to change the answer: it is doubled
+# and halved where 3 % change nothing, and then only a changed answer counts.
+WIDER = (1.0, -0.5)
 ROUND_OFF = 1e-7
 CHANGED, REFUSED, NAMED, LEFT, WRONG = WORDS = (
     *("changed", "refused", "named", "left over"),
@@ -81,10 +84,10 @@ def changed(content: Content, *changes: Change) -> Content:
     return content
 
 
-def changes(kind: str, content: Content) -> Iterator[Change]:
-    """Each value of a file that is no name and no words about another, changed."""
+def changes(kind: str, content: Content, share: float = SHARE) -> Iterator[Change]:
+    """Each value of a file that is no name and no words about another, changed; a number by a share of it."""
     for path, keys, value in leaves(content):
-        for other in _others(kind, path, value):
+        for other in _others(kind, path, value, share):
             yield Change(path, keys, other)
 
 
@@ -104,18 +107,18 @@ def leaves(
         yield path, keys, value
 
 
-def _others(kind: str, path: tuple[str, ...], value: Any) -> Iterator[Any]:
+def _others(kind: str, path: tuple[str, ...], value: Any, share: float) -> Iterator[Any]:
     """Other values that a field may have."""
     if isinstance(value, bool):
         yield not value
     elif isinstance(value, int):
         yield value + 1
     elif isinstance(value, float):
-        yield value * (1.0 + SHARE) if value else SHARE
+        yield value * (1.0 + share) if value else share
     elif isinstance(value, list):
         places = [place for place, one in enumerate(value) if not _is_zero(one)]
         for place in places[-1:]:
-            for other in _others(kind, path, value[place]):
+            for other in _others(kind, path, value[place], share):
                 yield [*value[:place], other, *value[place + 1 :]]
     elif isinstance(value, str):
         choices = _choices(kind, path) or WORDS_OF.get(path[-1], ())
@@ -128,7 +131,7 @@ def _others(kind: str, path: tuple[str, ...], value: Any) -> Iterator[Any]:
             yield "-".join(reversed(value.split("-")))
         elif number is not None:
             size = float(number[1])
-            yield f"{size * (1.0 + SHARE) if size else 1.0!r}{number[2]}"
+            yield f"{size * (1.0 + share) if size else 1.0!r}{number[2]}"
         else:
             yield f"no {value}"
 
@@ -421,14 +424,24 @@ def look(
                 return CHANGED
         return LEFT
 
+    def single(change: Change) -> str:
+        told = outcome(change)
+        wider = [
+            other
+            for share in WIDER
+            for other in changes(kind, content, share)
+            if told == LEFT and other.keys == change.keys and other != change
+        ]
+        return CHANGED if any(outcome(other) == CHANGED for other in wider) else told
+
     every = list(changes(kind, content))
     named = [change for change in every if change.is_named(names)]
     alike = outcome(*named) == LEFT
     for change in every:
         if change not in named:
-            yield change, outcome(change)
+            yield change, single(change)
         elif alike:
             yield change, NAMED
         else:
-            single = outcome(change)
-            yield change, {LEFT: NAMED, CHANGED: WRONG}.get(single, single)
+            told = outcome(change)
+            yield change, {LEFT: NAMED, CHANGED: WRONG}.get(told, told)

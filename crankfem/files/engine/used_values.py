@@ -19,9 +19,14 @@ ALL = "*"
 THROW = ("throw", "throws", "shaft.throws")
 ELASTIC = ("material.youngs_modulus", "material.poisson_ratio")
 SHAFT = (*THROW, "shaft", "shaft_ends", "engine.crank_angles")
-MECHANISM = ("engine", "throws", "shaft", "rod", "piston", "hinged_rods", "gas", "load")
+MECHANISM = ("engine", "shaft", "rod", "piston", "hinged_rods", "gas", "load")
+FORCES = (*MECHANISM, "throw", "throws", "material.density")
+TORQUE = (*MECHANISM, "throw.crank_radius", "throws.*.crank_radius")
 RUNNING = ("engine.lowest_speed", "engine.highest_speed")
 POLES, DRIVES = "engine.generator_poles", "engine.drives"
+NO_FORCES = (*RUNNING, POLES)
+# At rated speed each law has full load.
+AT_SPEED = "load.law"
 STUDY = (*THROW, "material", "study")
 # Only the run has results of these.
 RUN_ALONE = ("study", "torque", "two_mass_check", "strength")
@@ -66,7 +71,7 @@ ROTATING = ("flywheel.inertia", "free_end.inertia")
 TORSIONAL_ALONE = (*ROTATING, "torsional_damper", "driven", "rod", "piston")
 AXIAL_ALONE = ("flywheel.mass", "free_end.mass", "axial_damper", "thrust_bearing")
 # By command, perhaps with an option that changes it: sections and fields that it uses, and that it does not.
-# The longer name decides; a name may begin with any section, "*.".
+# The longer name decides; "*." stands for any section, also within one.
 USES: Mapping[str, Use] = {
     "throw": ((*THROW, "material"), ()),
     "stress": (THROW + ELASTIC[1:], ()),
@@ -81,12 +86,11 @@ USES: Mapping[str, Use] = {
     "plan": (STUDY, ()),
     "doe": (STUDY, ()),
     "designs": (STUDY, ()),
-    "mechanism": ((*MECHANISM, "throw", "material.density"), (*RUNNING, POLES, SKIRT)),
-    "mechanism --motored": ((*MECHANISM, "throw", "material.density"), (*RUNNING, POLES, SKIRT)),
-    "harmonics": (
-        (*MECHANISM, "throw.crank_radius"),
-        (*RUNNING, "engine.rated_power", POLES, SKIRT),
-    ),
+    "mechanism --motored": (FORCES, (*NO_FORCES, SKIRT)),
+    "mechanism --speed": (FORCES, (*NO_FORCES, SKIRT)),
+    "mechanism": (FORCES, (*NO_FORCES, SKIRT, AT_SPEED)),
+    "harmonics --speed": (TORQUE, (*NO_FORCES, SKIRT, "engine.rated_power")),
+    "harmonics": (TORQUE, (*NO_FORCES, SKIRT, "engine.rated_power", AT_SPEED)),
     "two-mass": (
         ("two_mass_check", "torque", "vibration.highest_order", "engine"),
         # Times of the torque shift phases alone.
@@ -120,8 +124,8 @@ def command_use(name: str, arguments: Mapping[str, Any]) -> str:
         return "lookup law" if str(arguments["model"]) == "law" else command
     if command == "optimum":
         return _optimum_use(**arguments)
-    with_option = (f"{command} --{option}" for option, value in arguments.items() if value)
-    key = next((key for key in with_option if key in USES), command)
+    with_option = {f"{command} --{option}" for option, value in arguments.items() if value}
+    key = next((key for key in USES if key in with_option), command)
     return key + WITH_MODEL if command in ("run", "vibration") and arguments["model"] else key
 
 
@@ -213,7 +217,7 @@ def _without_effect(
     gas = fields.get("gas", set())
     if "pressure_table" in gas and command != "mechanism --motored":
         yield from ("gas.intake_pressure", "gas.exhaust_pressure")
-        if command in ("mechanism", "harmonics"):  # else of a cylinder that misfires
+        if command.startswith(("mechanism", "harmonics")):  # else of a cylinder that misfires
             yield "gas.compression_ratio"
     points = sections.get("load", {}).get("points")
     at_points = isinstance(points, list) and all(
@@ -298,6 +302,7 @@ def _is_unused(name: str, used: tuple[str, ...], without: tuple[str, ...]) -> bo
 
 
 def _is_under(name: str, place: str) -> bool:
-    if place.startswith("*."):
-        return name.endswith(place[1:])
+    if "*." in place:
+        section, _, field = place.partition("*")
+        return name.startswith(section) and name.endswith(field)
     return place == ALL or name == place or name.startswith(f"{place}.")
