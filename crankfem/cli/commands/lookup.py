@@ -196,11 +196,11 @@ def _answer_parts(answers: "dict[str, Lookup]", units: "OutputUnits") -> "Iterat
             yield Main(f"{_title(name)}: OUTSIDE the range, where no band applies")
         elif answer.lower is None or answer.upper is None:
             yield Main(f"{_title(name)}: its band is open, inside the range")
-    told: dict[str, list[str]] = {}
+    with_remark: dict[str, list[str]] = {}
     for name, answer in shown.items():
         for remark in answer.remarks:
-            told.setdefault(remark, []).append(_title(name))
-    for remark, names in told.items():
+            with_remark.setdefault(remark, []).append(_title(name))
+    for remark, names in with_remark.items():
         of = "" if len(names) == len(shown) else f"{', '.join(names)}: "
         yield units.text(f"{of}{remark}")
 
@@ -211,11 +211,11 @@ def _bands(model: "ComplianceModel", names: list[str]) -> Iterator[str]:
     from regression.models.response_query import FEWEST, equation_error, percent
 
     every = {name: model.responses[name] for name in names}
-    processes = [one for one in every.values() if one.process]
+    processes = [response for response in every.values() if response.process]
     used = {name: response for name, response in every.items() if not response.process}
     if processes:
-        most = max(one.process.band for one in processes if one.process)
-        enough = min(one.band_designs for one in processes) >= FEWEST
+        most = max(response.process.band for response in processes if response.process)
+        enough = min(response.band_designs for response in processes) >= FEWEST
         yield Main(
             f"Bands of Gaussian processes: up to {most:.3g} standard deviations at the throw, which hold "
             f"{f'{100.0 * COVERAGE:g} % of' if enough else 'the few'} designs not used in the fit, and the "
@@ -339,8 +339,8 @@ def optimum(
         "torsional": first_torsional_frequency,
     }
     if vary:
-        for option, given in (("--engine", engine), ("--fixed", fixed)):
-            if given:
+        for option, value in (("--engine", engine), ("--fixed", fixed)):
+            if value:
                 raise InputError(
                     f"{option}: given with --vary; allowed is one of them, because the search changes the "
                     f"throw of {source} itself."
