@@ -2,8 +2,6 @@
 
 from dynamics.balance import HingedRodEffects as HingedRodEffects
 from dynamics.balance import Hodograph as Hodograph
-from dynamics.balance import MovingMasses as MovingMasses
-from dynamics.balance import OrderBalance as OrderBalance
 from dynamics.balance import balancing_masses as balancing_masses
 from dynamics.balance import hinged_rod_effects as hinged_rod_effects
 from dynamics.balance import hodograph_change as hodograph_change

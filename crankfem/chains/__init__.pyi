@@ -1,7 +1,5 @@
 """Public names of this topic and their homes."""
 
-from crankfem.files.chain.chain_file import ChainFile as ChainFile
-from crankfem.files.chain.chain_file import ChainText as ChainText
 from crankfem.files.chain.chain_file import read_chain_text as read_chain_text
 from crankfem.files.chain.chain_file import write_chain_text as write_chain_text
 from dynamics.chains.chain import Dashpot as Dashpot
@@ -29,8 +27,6 @@ from dynamics.chains.shaft_line import ShaftMaterial as ShaftMaterial
 from dynamics.chains.shaft_line import shaft_cylinder as shaft_cylinder
 from dynamics.chains.shaft_line import shaft_flange as shaft_flange
 from dynamics.chains.varying import Variation as Variation
-from dynamics.critical import CriticalSpeed as CriticalSpeed
-from dynamics.critical import TwoMassCheck as TwoMassCheck
 from dynamics.critical import critical_speeds as critical_speeds
 from dynamics.critical import engine_orders as engine_orders
 from dynamics.critical import two_mass_check as two_mass_check

@@ -6,12 +6,9 @@ from fem.angle_law import AngleLaw as AngleLaw
 from fem.calculix import write_calculix as write_calculix
 from fem.end_reactions import EndReaction as EndReaction
 from fem.end_reactions import Reactions as Reactions
-from fem.exchange import SkfemThrow as SkfemThrow
-from fem.fillet_peaks import FilletMeshing as FilletMeshing
 from fem.fillet_peaks import FilletPeak as FilletPeak
 from fem.fillet_peaks import FilletStresses as FilletStresses
 from fem.fillet_peaks import OilHolePeak as OilHolePeak
-from fem.fillet_peaks import ReadingQuality as ReadingQuality
 from fem.fillet_stress import fillet_stresses as fillet_stresses
 from fem.modes import DynamicSuperelement as DynamicSuperelement
 from fem.modes import ThrowModes as ThrowModes

@@ -4,7 +4,6 @@ from dynamics.assessment.damper_sizing import SizedDamper as SizedDamper
 from dynamics.assessment.damper_sizing import size_axial_damper as size_axial_damper
 from dynamics.assessment.damper_sizing import size_rubber_damper as size_rubber_damper
 from dynamics.assessment.damper_sizing import size_viscous_damper as size_viscous_damper
-from dynamics.chains.dampers import AbsorberOptimum as AbsorberOptimum
 from dynamics.chains.dampers import AxialDamper as AxialDamper
 from dynamics.chains.dampers import RubberDamper as RubberDamper
 from dynamics.chains.dampers import ViscousDamper as ViscousDamper

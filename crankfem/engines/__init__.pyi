@@ -4,7 +4,5 @@ from crankfem.analyses.assumptions import assumed_values as assumed_values
 from crankfem.analyses.engine_mechanism import input_warnings as input_warnings
 from crankfem.analyses.vibration.assessment import Assessment as Assessment
 from crankfem.analyses.vibration.assessment import Uncertainty as Uncertainty
-from crankfem.analyses.vibration.engine_excitation import EngineLoad as EngineLoad
 from crankfem.analyses.vibration.forced import ForcedVibration as ForcedVibration
 from crankfem.analyses.vibration.modes import Vibration as Vibration
-from dynamics.excitation.pressure_map import EnginePower as EnginePower

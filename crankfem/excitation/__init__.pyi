@@ -16,7 +16,6 @@ from dynamics.excitation.chain_excitation import (
 from dynamics.excitation.chain_excitation import torque_excitation as torque_excitation
 from dynamics.excitation.chain_excitation import torsion_influence as torsion_influence
 from dynamics.excitation.cylinders import CylinderForces as CylinderForces
-from dynamics.excitation.cylinders import CylinderHarmonics as CylinderHarmonics
 from dynamics.excitation.cylinders import cylinder_forces as cylinder_forces
 from dynamics.excitation.cylinders import cylinder_harmonics as cylinder_harmonics
 from dynamics.excitation.cylinders import forces_at_speeds as forces_at_speeds

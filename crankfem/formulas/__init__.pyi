@@ -10,7 +10,6 @@ from regression.formulas.case import FormulaValue as FormulaValue
 from regression.formulas.case import formulas_to_pandas as formulas_to_pandas
 from regression.law.superelement import law_reactions as law_reactions
 from regression.law.throw_law import AxialLaw as AxialLaw
-from regression.law.throw_law import MassLaw as MassLaw
 from regression.law.throw_law import TorsionalLaw as TorsionalLaw
 from regression.law.throw_law import axial_laws as axial_laws
 from regression.law.throw_law import hand_formula as hand_formula

@@ -1,17 +1,12 @@
 """Public names of this topic and their homes."""
 
 from crankfem.satellites.hinge.crosshead import CrossheadEngine as CrossheadEngine
-from crankfem.satellites.hinge.crosshead import ReducedCrank as ReducedCrank
 from crankfem.satellites.hinge.crosshead import piston_gas_force as piston_gas_force
-from crankfem.satellites.hinge.crosshead import reduced_crank as reduced_crank
 from crankfem.satellites.hinge.crosshead import two_stroke_cycle as two_stroke_cycle
-from crankfem.satellites.hinge.file import HingeFile as HingeFile
 from crankfem.satellites.hinge.file import load_hinge as load_hinge
-from crankfem.satellites.hinge.profile import BestPressure as BestPressure
 from crankfem.satellites.hinge.profile import GasSpring as GasSpring
 from crankfem.satellites.hinge.profile import HingeMoment as HingeMoment
 from crankfem.satellites.hinge.profile import HingeProfile as HingeProfile
-from crankfem.satellites.hinge.profile import ProfileCheck as ProfileCheck
 from crankfem.satellites.hinge.profile import SteadyHingeTurn as SteadyHingeTurn
 from crankfem.satellites.hinge.profile import best_pressure as best_pressure
 from crankfem.satellites.hinge.profile import flywheel_for as flywheel_for

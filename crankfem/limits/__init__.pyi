@@ -1,9 +1,6 @@
 """Public names of this topic and their homes."""
 
-from crankfem.analyses.vibration.misfiring import FiringCheck as FiringCheck
 from crankfem.analyses.vibration.misfiring import Misfiring as Misfiring
-from crankfem.analyses.vibration.misfiring import Reached as Reached
-from dynamics.assessment.barred_ranges import BarredRange as BarredRange
 from dynamics.assessment.barred_ranges import BarredRangeRule as BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit as crankshaft_limit
 from dynamics.assessment.limit_rules import generator_set_limit as generator_set_limit
@@ -16,7 +13,6 @@ from dynamics.assessment.limits import given_limit as given_limit
 from dynamics.assessment.response_curves import curves_of as curves_of
 from dynamics.assessment.response_curves import element_load as element_load
 from dynamics.assessment.response_curves import node_amplitude as node_amplitude
-from dynamics.assessment.separation import CriticalRange as CriticalRange
 from dynamics.assessment.separation import critical_ranges as critical_ranges
 from dynamics.assessment.uncertainty import Samples as Samples
 from dynamics.assessment.uncertainty import Spread as Spread
@@ -26,5 +22,4 @@ from dynamics.assessment.uncertainty import frequency_samples as frequency_sampl
 from dynamics.assessment.uncertainty import frequency_sensitivities as frequency_sensitivities
 from dynamics.assessment.verdict import Decision as Decision
 from dynamics.assessment.verdict import LimitCheck as LimitCheck
-from dynamics.assessment.verdict import Trial as Trial
 from dynamics.assessment.verdict import decide as decide

@@ -1,6 +1,5 @@
 """Public names of this topic and their homes."""
 
-from dynamics.engine.forces import CylinderMotion as CylinderMotion
 from dynamics.engine.forces import LoadDiagram as LoadDiagram
 from dynamics.engine.forces import MechanismForces as MechanismForces
 from dynamics.engine.forces import acceleration_orders as acceleration_orders
@@ -13,7 +12,5 @@ from dynamics.engine.forces import piston_position as piston_position
 from dynamics.engine.forces import reduced_inertia as reduced_inertia
 from dynamics.engine.layout import RotatingMass as RotatingMass
 from dynamics.engine.layout import SlavePin as SlavePin
-from dynamics.engine.rods import PointMotion as PointMotion
 from dynamics.engine.rods import RodModel as RodModel
 from dynamics.engine.rods import SliderCrank as SliderCrank
-from dynamics.engine.rods import TurnMotion as TurnMotion

@@ -2,17 +2,13 @@
 
 from dynamics.response.complex_modes import ComplexModes as ComplexModes
 from dynamics.response.complex_modes import complex_modes as complex_modes
-from dynamics.response.damped_criticals import DampedCritical as DampedCritical
 from dynamics.response.damped_criticals import damped_criticals as damped_criticals
-from dynamics.response.linear_system import DampedChain as DampedChain
 from dynamics.response.linear_system import EngineMagnifier as EngineMagnifier
-from dynamics.response.linear_system import LinearSystem as LinearSystem
 from dynamics.response.loads import ElementLoads as ElementLoads
 from dynamics.response.loads import alternating_stress as alternating_stress
 from dynamics.response.loads import element_loads as element_loads
 from dynamics.response.loads import section_modulus as section_modulus
 from dynamics.response.order_excitation import phasors_of as phasors_of
-from dynamics.response.peak_cause import OrderPart as OrderPart
 from dynamics.response.peak_cause import PeakCause as PeakCause
 from dynamics.response.peak_cause import peak_cause as peak_cause
 from dynamics.response.resonance import campbell_diagram as campbell_diagram

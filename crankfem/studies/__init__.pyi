@@ -6,7 +6,6 @@ from crankfem.analyses.throw_optimum import best_throw as best_throw
 from regression.fits.fits import Fit as Fit
 from regression.models.lookup import Lookups as Lookups
 from regression.models.lookup import ReactionLookup as ReactionLookup
-from regression.models.lookup import Slope as Slope
 from regression.optimum import Limit as Limit
 from regression.optimum import Optimum as Optimum
 from regression.optimum import find_optimum as find_optimum

@@ -2,7 +2,6 @@
 
 from geometry.crankshaft import ShaftEnds as ShaftEnds
 from geometry.crankshaft import throw_masses as throw_masses
-from geometry.imported import ImportedThrow as ImportedThrow
 from geometry.imported import import_throw as import_throw
 from geometry.mass import MassProperties as MassProperties
 from geometry.mass import Unbalance as Unbalance

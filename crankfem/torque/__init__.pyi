@@ -10,6 +10,5 @@ from dynamics.turning.free_turning import FreeTurning as FreeTurning
 from dynamics.turning.free_turning import turn_freely as turn_freely
 from dynamics.turning.free_turning import turn_steadily as turn_steadily
 from dynamics.turning.speed_over_angle import SpeedOverAngle as SpeedOverAngle
-from dynamics.turning.speed_over_angle import SteadyTurning as SteadyTurning
 from dynamics.turning.speed_over_angle import speed_over_angle as speed_over_angle
 from dynamics.turning.speed_over_angle import steady_turning as steady_turning

@@ -9,9 +9,7 @@ from dynamics.transient.motions import steady_motion as steady_motion
 from dynamics.transient.motions import transient_motion as transient_motion
 from dynamics.transient.propagator import LoadStep as LoadStep
 from dynamics.transient.propagator import SpeedCurve as SpeedCurve
-from dynamics.transient.propagator import ViscousSystem as ViscousSystem
 from dynamics.transient.propagator import viscous_system as viscous_system
-from dynamics.transient.turning_run import TurningChain as TurningChain
 from dynamics.transient.turning_run import TurningCycle as TurningCycle
 from dynamics.transient.turning_run import TurningRun as TurningRun
 from dynamics.transient.turning_run import steady_cycle as steady_cycle

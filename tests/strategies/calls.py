@@ -48,11 +48,10 @@ LONG = (
 )  # fmt: skip
 
 # Infinite by what their documentation says: limits beside their range, samples without bounds, undamped
-# resonances. Steps of an integration, which check shapes alone, give on what they are given.
+# resonances.
 ENDLESS = (
     "crankfem.limits.LimitCurve.at", "crankfem.limits.Samples", "crankfem.limits.chain_samples",
-    "crankfem.dampers.size_", "crankfem.transient.TurningChain.torques",
-    "crankfem.transient.TurningChain.accelerations", "crankfem.transient.TurningChain.energies",
+    "crankfem.dampers.size_",
 )  # fmt: skip
 
 

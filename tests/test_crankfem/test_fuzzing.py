@@ -8,6 +8,8 @@ import crankfem as cf
 from crankbase.errors import InputError
 from crankbase.quantity import parse_quantity
 from crankfem.cli import app as cli
+from dynamics.engine.rods import PointMotion
+from dynamics.strength.concentration import SupportedThrow
 from regression.plans.relations import read_expression
 from strategies import requests
 from strategies.calls import wrong_calls
@@ -117,7 +119,7 @@ def chain_of_two():
 
 
 def throw():
-    return cf.strength.SupportedThrow(0.4, [0.2], np.ones((1, 4)), np.ones((1, 4)))
+    return SupportedThrow(0.4, [0.2], np.ones((1, 4)), np.ones((1, 4)))
 
 
 def series():
@@ -151,10 +153,10 @@ FOUND = {
     "inertia without rods": lambda: cf.mechanism.reduced_inertia(
         cf.load_mechanism("8chn26-26").layout, (), shaft_angles_deg=[0.0, 30.0]
     ),
-    "speeds at other places": lambda: cf.mechanism.PointMotion(
+    "speeds at other places": lambda: PointMotion(
         np.ones(3), np.ones(3), np.ones(3)
     ).acceleration(np.ones(4)),
-    "speed that is none": lambda: cf.mechanism.PointMotion(
+    "speed that is none": lambda: PointMotion(
         np.ones(3), np.ones(3), np.ones(3)
     ).velocity(np.nan),
     "moment of no forces": lambda: throw().moment(0.1, np.ones((0, 4))),
@@ -177,7 +179,7 @@ FOUND = {
     "negative seed": lambda: cf.limits.frequency_samples(
         cf.Chain([1.0, 2.0], [1e5]), (cf.limits.Spread("stiffness", "stiffness", 0.9, 1.1, (0,)),), seed=-1
     ),
-    "motion turned without end": lambda: cf.mechanism.PointMotion(
+    "motion turned without end": lambda: PointMotion(
         np.ones(3), np.ones(3), np.ones(3)
     ).turned(angle_deg=np.inf),
     "strength without end": lambda: cf.strength.SurfaceTreatment(

@@ -18,6 +18,7 @@ from crankfem.analyses.strength.engine_strength import shown_factor
 from crankfem.analyses.vibration.engine_limits import engine_limits
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.response.series import synthesis
+from dynamics.strength.fatigue import factors_below
 
 GIVEN = {
     "tensile_strength": 8e8,
@@ -168,7 +169,7 @@ def test_hardening_is_judged_at_the_surface_and_below(usual, judged):
     }
     after = by_name(judged(hardening=given), 4)
     assert after["oil hole"].row() == before["oil hole"].row()
-    below = cf.strength.factors_below(usual.throws[3].factors["left web"], "pin fillet", 3e-3)
+    below = factors_below(usual.throws[3].factors["left web"], "pin fillet", 3e-3)
     pin = before["pin fillet"]
     deep = math.hypot(
         below[0] * pin.nominal_bending + 10e6, math.sqrt(3.0) * below[1] * pin.nominal_torsion

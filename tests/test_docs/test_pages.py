@@ -1,5 +1,6 @@
 """Every block of the documentation runs; pages for developers name what there is."""
 
+import ast
 import importlib.util
 import os
 import re
@@ -50,6 +51,27 @@ def test_throws_of_the_page_can_be_built(page, page_tools, tmp_path):
             path.write_text(block.text, encoding="utf-8")
             throw, _ = load_throw(path)
             assert throw.volume > 0.0
+
+
+GENERATED = re.compile(r"validation.*|engine-files")
+
+
+def test_every_public_name_is_shown_to_a_reader():
+    """In a page that somebody wrote, or in an example: a name that nobody is shown has no use."""
+    written = [page for page in PAGES if not GENERATED.fullmatch(page.stem)]
+    examples = [path for path in (ROOT / "examples").iterdir() if path.is_file()]
+    text = "\n".join(path.read_text(encoding="utf-8") for path in (*written, *examples))
+    shown = set(re.findall(r"\w+", text))
+    stubs = sorted((ROOT / "crankfem").rglob("*.pyi"))
+    names = {
+        f"{stub.parent.name}.{alias.asname}"
+        for stub in stubs
+        for statement in ast.parse(stub.read_text(encoding="utf-8")).body
+        if isinstance(statement, ast.ImportFrom)
+        for alias in statement.names
+    }
+    assert len(names) > 300
+    assert sorted(name for name in names if name.partition(".")[2] not in shown) == []
 
 
 DEVELOPER_PAGES = [ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs" / "developers").glob("*.md"))]
