@@ -105,11 +105,11 @@ class CylinderHarmonics:
                 "load: given without a pressure map; allowed is none, because a single diagram has no load."
             )
         total = speeds[:, np.newaxis, np.newaxis] ** 2 * self.inertia[:, np.newaxis]
-        known: dict[int, FloatArray] = {}
+        known: dict[Weights, FloatArray] = {}
         for place, (of_diagrams, weigh) in enumerate(zip(self.gas, self.weights, strict=True)):
-            if id(weigh) not in known:
-                known[id(weigh)] = weigh(speeds, load)
-            total[:, :, place] += np.tensordot(known[id(weigh)], of_diagrams, axes=1).swapaxes(0, 1)
+            if weigh not in known:
+                known[weigh] = weigh(speeds, load)
+            total[:, :, place] += np.tensordot(known[weigh], of_diagrams, axes=1).swapaxes(0, 1)
         return total
 
     def at(

@@ -658,18 +658,18 @@ def gas_sources(
             "because a fired diagram alone does not define it."
         )
     cold = _one_for_each("motored", motored, engine)
-    made: dict[tuple[int, int, float], GasSource] = {}
+    made: dict[tuple[GasSource, GasSource, float], GasSource] = {}
     for number, share in failing.items():
         both = fired[number - 1], cold[number - 1]
-        key = (id(both[0]), id(both[1]), share)
+        key = (*both, share)
         fired[number - 1] = made.setdefault(key, _mixed(*both, share))
     return tuple(fired)
 
 
 def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list[GasSource]:
     pressures = pressure_of_each(field, pressure, engine)
-    made = {id(each): _source(each) for each in pressures}
-    return [made[id(each)] for each in pressures]
+    made = {each: _source(each) for each in pressures}
+    return [made[each] for each in pressures]
 
 
 def _source(pressure: AnyPressure) -> GasSource:
@@ -819,12 +819,12 @@ def pressures_along(
     motored : bool, optional
         Without combustion, at the same boost.
     """
-    made: dict[int, PressureMap] = {}
+    made: dict[GasCycleResult, PressureMap] = {}
     maps = []
     for number, full in enumerate(full_load, start=1):
-        if id(full) not in made:
-            made[id(full)] = _map_along(curve, full, layout, number, motored)
-        maps.append(made[id(full)])
+        if full not in made:
+            made[full] = _map_along(curve, full, layout, number, motored)
+        maps.append(made[full])
     return tuple(maps)
 
 

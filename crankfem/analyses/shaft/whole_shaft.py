@@ -368,10 +368,12 @@ def whole_shaft(
     highest = max(LEAST_FREQUENCY, exciting)
     each = crank_analyses(engine_file, analysis)
     if superelement is None:
+        names = engine_file.throw_names
         built = {
-            id(own): own.dynamic_superelement(highest) for own in {id(o): o for o in each}.values()
+            name: throw_analysis.dynamic_superelement(highest)
+            for name, throw_analysis in dict(zip(names, each, strict=True)).items()
         }
-        elements = [built[id(own)] for own in each]
+        elements = [built[name] for name in names]
     elif len(set(engine_file.crank_throws)) == 1:
         elements = [superelement] * len(each)
     else:

@@ -316,8 +316,8 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
 
     Beside it stands what the chains reach of the same limit, each at its own worst of the speeds judged.
     """
-    by_chains = {id(check.curve) for check in chains.checks}
-    worst = next(check for check in whole.checks if id(check.curve) not in by_chains)
+    by_chains = {check.curve for check in chains.checks}
+    worst = next(check for check in whole.checks if check.curve not in by_chains)
     same = next((check for check in chains.checks if check.limit.name == worst.limit.name), None)
     shown: list[str] = []
     if whole.status == "barred range needed":
@@ -327,7 +327,7 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
         shown = [barred.sentence for barred in refused if not barred.allowed]
     return wording.whole_use(
         f"{wording.limit_at(worst.limit.name, worst.curve.name)}, {_use(worst)}",
-        {check.limit.name for check in whole.checks if id(check.curve) in by_chains},
+        {check.limit.name for check in whole.checks if check.curve in by_chains},
         "" if same is None else f"{same.curve.name}, {_use(same)}",
         whole.status == chains.status,
         whole.status,
