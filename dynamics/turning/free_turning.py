@@ -515,16 +515,20 @@ def _integrated(
     time, state = 0.0, np.array([*start, *[0.0] * len(SHARES)])
     speed = max(start[1], 1.0)
     energy = 0.5 * moments.inertia(start[0]) * speed**2
-    scales = np.array([1.0, speed, *[energy] * len(SHARES)])
-    last = start[0] + 2.0 * math.pi * MOST_TURNS
+    strokes = _Strokes(
+        moments,
+        end,
+        start[0] + 2.0 * math.pi * MOST_TURNS,
+        np.array([1.0, speed, *[energy] * len(SHARES)]),
+        work_counter("duration", end, "s", MOST_MOMENTS),
+    )
     ends = moments.stroke_ends() if moments.gas.turns_at_ends else np.zeros(0)
-    evaluated = work_counter("duration", end, "s", MOST_MOMENTS)
     kept = [state[:, np.newaxis][:, : int(shown[0] == 0.0)]]
     while True:
         angle = float(state[0])
         limit = _next_end(ends, angle)
         ways = moments.directions(0.5 * (angle + min(limit, angle + 2.0 * math.pi)))
-        stroke = _stroke(moments, ways, (time, end), state, limit, last, scales, evaluated)
+        stroke = strokes.from_state(time, state, limit, ways)
         reached = float(stroke.t[-1])
         asked = shown[(shown > time) & (shown <= reached)]  # the next stroke begins after its end
         if asked.size:
@@ -551,54 +555,69 @@ def _next_end(ends: FloatArray, angle: float) -> float:
     return angle + float(np.min(np.where(ahead > turn - PASSED, turn, ahead)))
 
 
-def _stroke(
-    moments: ShaftMoments,
-    directions: FloatArray,
-    span: tuple[float, float],
-    state: FloatArray,
-    limit: float,
-    last: float,
-    scales: FloatArray,
-    evaluated: Callable[[float], None],
-) -> Any:
-    """Integrate angle, speed and the four works until the end time or an angle is reached; to `last`."""
-    from scipy.integrate import solve_ivp
+@dataclass(frozen=True)
+class _Strokes:
+    """Integrates angle, speed and the four works stroke by stroke.
 
-    def slope(now: float, state: FloatArray) -> list[float]:
-        evaluated(now)
-        angle, speed = float(state[0]), float(state[1])
-        if not angle <= last:
-            raise too_many_turns("duration", span[1], MOST_TURNS)
-        shares, inertia, inertia_slope = moments.at(angle, speed, directions)
-        acceleration = (math.fsum(shares) - 0.5 * inertia_slope * speed**2) / inertia
-        return [speed, acceleration, *(share * speed for share in shares)]
+    Attributes
+    ----------
+    end : float
+        Time at which the engine is followed no longer [s].
+    last_angle : float
+        Beyond it there are too many turns [rad].
+    scales : (6,) array
+        Sizes of the unknowns, of which their errors are a share.
+    evaluated : callable
+        Told of each time at which the moments are evaluated.
+    """
 
-    def stops(_: float, state: FloatArray) -> float:
-        return float(state[1])
+    moments: ShaftMoments
+    end: float
+    last_angle: float
+    scales: FloatArray
+    evaluated: Callable[[float], None]
 
-    def reaches_end(_: float, state: FloatArray) -> float:
-        return float(state[0]) - limit if math.isfinite(limit) else -1.0
+    def from_state(
+        self, time: float, state: FloatArray, limit: float, directions: FloatArray
+    ) -> Any:
+        """Integrate from a time until the end, or until an angle is reached."""
+        from scipy.integrate import solve_ivp
 
-    events: list[Any] = [stops, reaches_end]
-    for event, direction in zip(events, (-1.0, 1.0), strict=True):
-        event.terminal, event.direction = True, direction
-    motion = solve_ivp(
-        slope,
-        span,
-        state,
-        method="DOP853",
-        dense_output=True,
-        events=events,
-        rtol=TOLERANCE,
-        atol=TOLERANCE * scales,
-    )
-    if motion.status < 0:
-        reached, reason = float(motion.t[-1]), str(motion.message).rstrip(".")
-        raise InputError(
-            f"duration: given {span[1]:g} s; allowed is {reached:.6g} s or less, because the angle "
-            f"cannot be followed any longer ({reason})."
+        def slope(now: float, state: FloatArray) -> list[float]:
+            self.evaluated(now)
+            angle, speed = float(state[0]), float(state[1])
+            if not angle <= self.last_angle:
+                raise too_many_turns("duration", self.end, MOST_TURNS)
+            shares, inertia, inertia_slope = self.moments.at(angle, speed, directions)
+            acceleration = (math.fsum(shares) - 0.5 * inertia_slope * speed**2) / inertia
+            return [speed, acceleration, *(share * speed for share in shares)]
+
+        def stops(_: float, state: FloatArray) -> float:
+            return float(state[1])
+
+        def reaches_end(_: float, state: FloatArray) -> float:
+            return float(state[0]) - limit if math.isfinite(limit) else -1.0
+
+        events: list[Any] = [stops, reaches_end]
+        for event, direction in zip(events, (-1.0, 1.0), strict=True):
+            event.terminal, event.direction = True, direction
+        motion = solve_ivp(
+            slope,
+            (time, self.end),
+            state,
+            method="DOP853",
+            dense_output=True,
+            events=events,
+            rtol=TOLERANCE,
+            atol=TOLERANCE * self.scales,
         )
-    return motion
+        if motion.status < 0:
+            reached, reason = float(motion.t[-1]), str(motion.message).rstrip(".")
+            raise InputError(
+                f"duration: given {self.end:g} s; allowed is {reached:.6g} s or less, because the angle "
+                f"cannot be followed any longer ({reason})."
+            )
+        return motion
 
 
 def _assembled(

@@ -577,13 +577,10 @@ def engine_strength(
     by_elements = section.factors == "finite elements"
     if stresses is None:
         stresses = engine_stresses(file) if by_elements else {}
-    throws = []
-    for place, supported in enumerate(supported_throws(file)):
-        throw = file.crank_throws[place]
-        fit = shrink_fit(throw, section, loads.passed_on[place], file.material.youngs_modulus)
-        webs, throw_stresses = throw_webs(throw, section), stresses.get(file.throw_names[place])
-        elements = {} if throw_stresses is None else element_factors(throw_stresses, webs)
-        throws.append(_throw(place + 1, file, section, webs, elements, supported, loads, fit))
+    throws = [
+        _throw(file, place, supported, loads, stresses.get(file.throw_names[place]))
+        for place, supported in enumerate(supported_throws(file))
+    ]
     remarks = strength_remarks(
         vibration,
         section,
@@ -685,20 +682,22 @@ def shown_factor(place: PlaceStrength) -> str:
 
 
 def _throw(
-    number: int,
     file: EngineFile,
-    section: StrengthSection,
-    webs: tuple[ThrowWeb, ...],
-    elements: dict[str, ElementFactors],
+    place_along: int,
     supported: SupportedThrow,
     loads: ShaftLoads,
-    fit: ShrinkFit | None,
+    throw_stresses: FilletStresses | None,
 ) -> ThrowStrength:
-    """Judge all locations of a throw."""
-    torque, left_out = loads.torque(number - 1), list[str]()
+    """Judge all locations of a throw, counted from 0 at the free end."""
+    section, throw, number = file.strength, file.crank_throws[place_along], place_along + 1
+    assert section is not None  # or nothing would be judged
+    fit = shrink_fit(throw, section, loads.passed_on[place_along], file.material.youngs_modulus)
+    webs = throw_webs(throw, section)
+    elements = {} if throw_stresses is None else element_factors(throw_stresses, webs)
+    torque, left_out = loads.torque(place_along), list[str]()
     if fit is None and section.shrink_fit is not None:
         left_out.append(", shrink fit: torsional vibration is unbounded.")
-    axial = loads.axial[number - 1].value if section.axial_vibration == "calculated" else None
+    axial = loads.axial[place_along].value if section.axial_vibration == "calculated" else None
     judged: dict[str, list[PlaceStrength]] = {place: [] for place in PLACES}
     known: dict[str, ConcentrationFactors] = {}
     for web in webs:

@@ -420,22 +420,13 @@ def compared_compliances(
         `SourceFrequencies` by kind of vibration.
     """
     numbers: dict[str, int] = {}
-    tables: dict[str, list[ComparedRow]] = {}
-    ranges: dict[str, tuple[float, float] | None] = {}
-    for kind in KINDS:
-        fe = getattr(throw.supports["pinned"], kind)
+
+    def rows_of(kind: Kind, fe: float) -> list[ComparedRow]:
         chains = {chain.source: chain for chain in (sources_in_shaft or {}).get(kind, ())}
         rows: list[ComparedRow] = []
 
         def add(
-            name: str,
-            value: float,
-            source: str,
-            remarks: Sequence[str] = (),
-            applies: bool = True,
-            fe: float = fe,
-            chains: Mapping[str, Any] = chains,
-            rows: list[ComparedRow] = rows,
+            name: str, value: float, source: str, remarks: Sequence[str] = (), applies: bool = True
         ) -> None:
             chain = chains.get(source)
             mean = None if chain is None else chain.mean_compliance
@@ -453,9 +444,15 @@ def compared_compliances(
             add("the law", law.value, "law", [text])
         for formula in formulas.of_kind(kind):
             add(formula.name, formula.value, formula.name, formula.remarks, formula.valid)
+        return rows
+
+    tables: dict[str, list[ComparedRow]] = {}
+    ranges: dict[str, tuple[float, float] | None] = {}
+    for kind in KINDS:
+        fe = getattr(throw.supports["pinned"], kind)
         applying = [formula.value / fe for formula in formulas.of_kind(kind) if formula.valid]
         ranges[kind] = (min(applying), max(applying)) if len(applying) > 1 else None
-        tables[kind] = rows
+        tables[kind] = rows_of(kind, fe)
     return ComparedCompliances(tables, list(numbers), ranges)
 
 

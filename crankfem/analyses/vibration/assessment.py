@@ -78,7 +78,6 @@ from dynamics.indices import within
 from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
 from dynamics.wording import conclusion_sentence
-from fem.superelement import ShaftCompliances
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -539,9 +538,7 @@ class Assessment(Result):
 def assess(
     engine_file: EngineFile,
     harmonics: CylinderHarmonics,
-    chains: tuple[Vibration, Vibration],
-    forced: tuple[ForcedVibration, ForcedVibration],
-    shaft: ShaftCompliances,
+    nominal: HeldChains,
     analysis: Analyses,
     model: "ComplianceModel | None",
     held: Sequence[HeldChains],
@@ -552,7 +549,9 @@ def assess(
     ----------
     engine_file : EngineFile
         Its sections [limits] and [ranges] are used if given.
-    shaft, analysis, model
+    nominal : HeldChains
+        The engine's chains with their responses.
+    analysis, model
         Source of the compliances; see `source_spread`.
     held : sequence of HeldChains
         The chains over the range of the bearings' stiffness with their responses; the bounds
@@ -563,7 +562,8 @@ def assess(
     InputError
         If a limit is on an element that the chain does not have.
     """
-    axial, torsional = forced
+    assert nominal.answers is not None
+    chains, (axial, torsional) = (nominal.axial, nominal.torsional), nominal.answers
     limits, remarks = engine_limits(engine_file)
     findings = limit_findings(engine_file, axial, torsional)
     verdict = engine_verdict(engine_file, findings)
@@ -588,15 +588,15 @@ def assess(
     )
 
     def again(changed: EngineFile, vibrations: Sequence[Vibration]) -> tuple[BarredRange, ...]:
-        return engine_ranges(changed, limit_curves(changed, harmonics, vibrations, shaft))
+        return engine_ranges(changed, limit_curves(changed, harmonics, vibrations, nominal.shaft))
 
     decision = engine_decision(
         engine_file, verdict.status, findings, lambda changed: status_by(again(changed, chains))
     )
     trials, uncertain = decision.trials, dict[str, Uncertainty]()
-    for vibration, answer in zip(chains, forced, strict=True):
+    for vibration, answer in zip(chains, nominal.answers, strict=True):
         error = source_spread(
-            engine_file, vibration.kind, vibration.chosen.source, analysis, shaft, model
+            engine_file, vibration.kind, vibration.chosen.source, analysis, nominal.shaft, model
         )
         spreads = _spreads(engine_file, answer, error)
         barred: tuple[Range, ...] = ()

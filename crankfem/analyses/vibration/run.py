@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -382,8 +383,8 @@ def engine_vibration(
             held = with_answers(read, held, harmonics)
         if read.ranges is not None:
             tell("Sampling what is uncertain")
-        chains, forced = (axial, torsional), (lengthened, twisted)
-        assessment = assess(read, harmonics, chains, forced, shaft, analyses, model, held)
+        answered = replace(nominal, answers=(lengthened, twisted))
+        assessment = assess(read, harmonics, answered, analyses, model, held)
         if misfiring is not None:
             misfiring = misfiring.outside(assessment.verdict.ranges_to_bar)
     if whole is not None:
