@@ -3,15 +3,16 @@
 `tests/campaigns/doors.py` changes every value of every file for each command, and holds it against `USES`.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from crankbase.errors import InputError
-from crankfem.files.engine.file_kinds import any_sections, file_kind
+from crankfem.files.engine.file_kinds import any_sections, engine_sections, file_kind
 from crankfem.files.engine.throw_file import tables_of_throws, unused_throws
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.satellites import at_place, called, uses_of_satellites
-from crankfem.files.sections.crank_throws import PLAIN
+from crankfem.files.sections.crank_throws import PLAIN, read_throws
 
 # Sections and fields that a command uses, and those that it does not.
 Use = tuple[tuple[str, ...], tuple[str, ...]]
@@ -87,8 +88,7 @@ USES: Mapping[str, Use] = {
     "doe": (STUDY, ()),
     "designs": (STUDY, ()),
     "mechanism --motored": (FORCES, (*NO_FORCES, SKIRT)),
-    "mechanism --speed": (FORCES, (*NO_FORCES, SKIRT)),
-    "mechanism": (FORCES, (*NO_FORCES, SKIRT, AT_SPEED)),
+    "mechanism": (FORCES, (*NO_FORCES, SKIRT)),
     "harmonics --speed": (TORQUE, (*NO_FORCES, SKIRT, "engine.rated_power")),
     "harmonics": (TORQUE, (*NO_FORCES, SKIRT, "engine.rated_power", AT_SPEED)),
     "two-mass": (
@@ -226,6 +226,23 @@ def _without_effect(
     if at_points and {"mean_effective_pressure", "intake_pressure"} <= gas:
         yield from ("gas.peak_pressure", "gas.combustion_start")  # which these points have instead
     yield from _of_map(sections.get("gas_map"))
+    if command.endswith("--shaft") and "throw_angles" in fields.get("shaft", ()):
+        yield "engine.crank_angles"
+    if command.startswith("mechanism"):
+        yield from _without_unbalance(content)
+
+
+def _without_unbalance(content: TomlFile) -> Iterator[str]:
+    """Fields about parts of throws that are round about the shaft, which have no unbalance.
+
+    A bore that reaches the pin ends there.
+    """
+    for name, throw in read_throws(engine_sections(content)).items():
+        section = name if name == PLAIN else f"throws.{name}"
+        yield f"{section}.main_journal_fillet_radius"
+        nearest = min(math.hypot(*pin.axis) - pin.radius for pin in throw.parts.pins)
+        if throw.main_journal_bore_offset == 0.0 and 0.5 * throw.main_journal_bore < nearest:
+            yield f"{section}.main_journal_bore"
 
 
 def _of_map(values: Mapping[str, Any] | None) -> Iterator[str]:
