@@ -45,6 +45,7 @@ from fem.symmetry import (
     end_surface,
     pin_surfaces,
     rigid_motions,
+    rotation,
     section_turn,
     unit_end_loads,
 )
@@ -588,9 +589,7 @@ class Superelement:
 
 def section_rotation(angle: float) -> Array:
     """Matrix (6, 6) that turns the motions of a section by an angle [rad] about z."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    return np.kron(np.eye(2), turn)
+    return np.asarray(np.kron(np.eye(2), rotation(angle)))
 
 
 def combine_classes(

@@ -316,15 +316,19 @@ def count_of(degree: int) -> int:
     return RIGID_COUNT if degree == 0 else 3 * (degree + 1) * (degree + 2) // 2
 
 
+def rotation(angle: float) -> Array:
+    """Matrix (3, 3) that turns a vector by an angle [rad] about z."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
 def section_turn(sections: SectionMotions, angle: float) -> Array:
     """Matrix (2 n, 2 n) that turns the motions of two sections by an angle [rad] about z.
 
     They are in the order of a superelement's: six of the left and six of the right section, then those beyond
     the rigid ones of the left and of the right.
     """
-    cosine, sine = np.cos(angle), np.sin(angle)
-    vector = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    return np.asarray(block_diag(*[vector] * 4, *[sections.turn(angle)] * 2))
+    return np.asarray(block_diag(*[rotation(angle)] * 4, *[sections.turn(angle)] * 2))
 
 
 def both_ends(matrix: Array) -> Array:
@@ -355,9 +359,7 @@ def _monomials(terms: NDArray[np.int64], places: Array) -> Array:
 @lru_cache(maxsize=KEPT * KEPT)
 def _turn(motions: SectionMotions, angle: float) -> Array:
     """Return `SectionMotions.turn` of motions that bend, at the few angles that a study asks for."""
-    places, weights = motions.ring()
-    cosine, sine = np.cos(angle), np.sin(angle)
-    turned = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    (places, weights), turned = motions.ring(), rotation(angle)
     before = motions.fields(places @ turned[:2, :2])[:, :, RIGID_COUNT:]
     bending = motions.fields(places)[:, :, RIGID_COUNT:]
     matrix = np.einsum("q,qak,ab,qbl->kl", weights, bending, turned, before, optimize=True)

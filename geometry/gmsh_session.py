@@ -2,6 +2,7 @@
 
 import atexit
 import ctypes
+import math
 import os
 import re
 import signal
@@ -172,9 +173,20 @@ def forget_array_types() -> None:
 
 def middle_point(gmsh: Any, dimension: int, tag: int) -> NDArray[np.float64]:
     """Return a point on a curve or surface, in the middle of its parameters."""
+    middle = _middle_parameters(gmsh, dimension, tag)
+    return np.asarray(gmsh.model.getValue(dimension, tag, middle), dtype=float)
+
+
+def curvature_radius(gmsh: Any, tag: int) -> float:
+    """Smallest radius of curvature in the middle of a face."""
+    most, least, *_ = gmsh.model.getPrincipalCurvatures(tag, _middle_parameters(gmsh, 2, tag))
+    curvature = max(abs(float(most[0])), abs(float(least[0])))
+    return 1.0 / curvature if curvature > 0.0 else math.inf
+
+
+def _middle_parameters(gmsh: Any, dimension: int, tag: int) -> list[float]:
     low, high = gmsh.model.getParametrizationBounds(dimension, tag)
-    middle = 0.5 * (np.asarray(low) + np.asarray(high))
-    return np.asarray(gmsh.model.getValue(dimension, tag, middle.tolist()), dtype=float)
+    return [0.5 * (first + last) for first, last in zip(low, high, strict=True)]
 
 
 class IsolatedProcess:

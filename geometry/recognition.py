@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
-from geometry.gmsh_session import middle_point
+from geometry.gmsh_session import curvature_radius, middle_point
 from geometry.imported import PLACE_TOLERANCE, ImportedThrow, RequestedFaces, opened_part
 from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
 from geometry.sizes import ROOT_PER_FILLET, SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
@@ -124,15 +124,6 @@ def rounds_along(faces: list[Face], tolerance: float) -> list[Round]:
         tags = tuple(face.tag for face in group)
         rounds.append(Round((x, y), group[0].radius, low, high, turn, tags))
     return rounds
-
-
-def curvature_radius(gmsh: Any, tag: int) -> float:
-    """Smallest radius of curvature in the middle of a face."""
-    low, high = gmsh.model.getParametrizationBounds(2, tag)
-    middle = 0.5 * (np.asarray(low) + np.asarray(high))
-    largest, smallest, *_ = gmsh.model.getPrincipalCurvatures(tag, middle.tolist())
-    curvature = max(abs(float(largest[0])), abs(float(smallest[0])))
-    return 1.0 / curvature if curvature > 0.0 else math.inf
 
 
 def named_cylinders(

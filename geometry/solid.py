@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import MeshError
-from geometry.gmsh_session import middle_point
+from geometry.gmsh_session import curvature_radius, middle_point
 from geometry.parts import (
     Arc,
     Cylinder,
@@ -151,12 +151,8 @@ def _drilled(gmsh: Any, journal: Cylinder, holes: Sequence[Drilling], solid: Ent
 def on_drilling(gmsh: Any, parts: ThrowParts, kind: str, tag: int, point: ArrayLike) -> bool:
     """Whether a surface of a kind, with a point on it, belongs to an oil hole."""
     for hole in parts.drillings:
-        if kind == "Cylinder":
-            low, high = gmsh.model.getParametrizationBounds(2, tag)
-            middle = 0.5 * (np.asarray(low) + np.asarray(high))
-            most, least, *_ = gmsh.model.getPrincipalCurvatures(tag, middle.tolist())
-            if abs(max(abs(most[0]), abs(least[0])) * hole.radius - 1.0) > 1e-6:
-                continue
+        if kind == "Cylinder" and abs(hole.radius / curvature_radius(gmsh, tag) - 1.0) > 1e-6:
+            continue
         off, height = _places(hole, np.atleast_2d(point))
         tolerance = CURVE_TOLERANCE * hole.journal_radius
         if height[0] > hole.journal_radius + tolerance:
