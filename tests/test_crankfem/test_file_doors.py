@@ -60,7 +60,7 @@ MODELS = {name: section.model for name, section in SECTIONS.items()} | {
 }
 # By door, cheap ones first, files that it reads; of a chain one with damping to ground.
 CHEAP = {
-    "lookup law": ("yamz-5340", "full-propeller"),
+    "lookup law": ("yamz-5340", "full-propeller", "full-set"),
     "two-mass": ("yamz-5340", "full-vee"),
     "plan": ("yamz-5340", "full-vee", "full-split", "full-throw", "full-motor"),
     "chain": ("mwm-six",),

@@ -26,6 +26,11 @@ TORQUE = (*MECHANISM, "throw.crank_radius", "throws.*.crank_radius")
 RUNNING = ("engine.lowest_speed", "engine.highest_speed")
 POLES, DRIVES = "engine.generator_poles", "engine.drives"
 NO_FORCES = (*RUNNING, POLES)
+# They hardly stiffen a throw: the law neglects them.
+COUNTERWEIGHTS = (
+    *(f"throw.{part}counterweight" for part in ("", "left_web.", "right_web.")),
+    "throws.*.counterweight",
+)
 # At rated speed each law has full load.
 AT_SPEED = "load.law"
 STUDY = (*THROW, "material", "study")
@@ -78,7 +83,7 @@ USES: Mapping[str, Use] = {
     "stress": (THROW + ELASTIC[1:], ()),
     "formulas": ((*THROW, *ELASTIC), ()),
     "lookup": ((*THROW, "material"), ()),
-    "lookup law": ((*THROW, *ELASTIC), ()),
+    "lookup law": ((*THROW, *ELASTIC), COUNTERWEIGHTS),
     "draw": ((*THROW, "engine.name"), ()),
     "draw --shaft": ((*SHAFT, "engine.name"), ()),
     "export": (THROW, ()),
@@ -321,5 +326,5 @@ def _is_unused(name: str, used: tuple[str, ...], without: tuple[str, ...]) -> bo
 def _is_under(name: str, place: str) -> bool:
     if "*." in place:
         section, _, field = place.partition("*")
-        return name.startswith(section) and name.endswith(field)
+        return name.startswith(section) and f"{field}." in f"{name}."
     return place == ALL or name == place or name.startswith(f"{place}.")
