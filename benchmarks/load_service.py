@@ -43,7 +43,7 @@ def request(path: str, question: Any = None) -> bytes:
 
 
 def law() -> bytes:
-    from serving import THROW
+    from satellites.service.serving import THROW
 
     throw = THROW | {
         "web_width": random.uniform(0.27, 0.33),
@@ -181,7 +181,7 @@ def main() -> None:
     options.add_argument("--page", action="store_true")
     given = options.parse_args()
     sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-    from serving import Served, save_model
+    from satellites.service.serving import Served, save_model
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -24,7 +24,6 @@ COMMANDS: dict[str, dict[str, tuple[str, ...]]] = {
     "Main job": {
         "run:run": ("run 6chn25-34", "run mine.toml --output results --strict"),
         "run:report": ("report mine-results",),
-        "serve:serve": ("serve", "serve --models models --port 8000"),
     },
     "Files": {
         "input_files:new": (

@@ -9,7 +9,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-SATELLITES = ("hinge", "class_document")
+SATELLITES = ("hinge", "class_document", "service")
 
 
 def at_place(place: str, package: str = "crankfem.satellites") -> Any:

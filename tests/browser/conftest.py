@@ -5,7 +5,6 @@ import shutil
 import pytest
 
 from crankfem.jobs.pipeline import run_engine
-from serving import models, throw  # noqa: F401
 
 playwright = pytest.importorskip(
     "playwright.sync_api", reason="pages are looked at in a browser with crankfem[browser]"

@@ -17,7 +17,7 @@ def named_files(_: Bench, draw: Random, place: Path) -> Finding:
     """Name planted files, the service's own and the system's, by all kinds of paths, in every field."""
     sys.path.append(str(ROOT / "tests"))
     from file_fields import fields, plant, tells, text_with, upwards
-    from serving import Served
+    from satellites.service.serving import Served
 
     finding, folder = Finding(), place.with_suffix("")
     folder.mkdir()

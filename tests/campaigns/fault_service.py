@@ -22,7 +22,7 @@ from fault_disk import mounted
 from fault_tools import HANGS, Bench, Finding, kill, rows, workers
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
-from serving import THROW, Served, save_model
+from satellites.service.serving import THROW, Served, save_model
 
 ENDED = ("done", "failed", "canceled")
 JOB = {"throw": THROW, "accuracy": 0.01}

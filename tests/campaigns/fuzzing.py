@@ -27,7 +27,8 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from strategies import requests
+from satellite_cases import of_satellites
+from strategies import command_lines
 from strategies.calls import Attempted, is_asked, made, wrong_calls
 from strategies.outcomes import (
     ACCEPTED,
@@ -153,13 +154,14 @@ def targets(
     found: dict[str, tuple[st.SearchStrategy[Any], Try, float]] = {}
     for name, parser in parsers().items():
         found[name] = parser.inputs, partial(parser.attempt, folder=folder), parser.share
-    requests.lay_out(folder)
+    command_lines.lay_out(folder)
     found["command line"] = (
-        requests.command_lines(),
-        partial(requests.run_command, folder=folder),
+        command_lines.command_lines(),
+        partial(command_lines.run_command, folder=folder),
         1.0,
     )
-    found["service"] = requests.requests(), requests.asking(folder), 1.0
+    for name, (questions, asking) in of_satellites("ASKED").items():
+        found[name] = questions(), asking(folder), 1.0
     if wanted("public functions"):
         quick, slow = recorded_calls(calls)
         found["public functions"] = wrong_calls(quick), Attempted.outcome, 1.0

@@ -11,7 +11,8 @@ from crankfem.cli import app as cli
 from dynamics.engine.rods import PointMotion
 from dynamics.strength.concentration import SupportedThrow
 from regression.plans.relations import read_expression
-from strategies import requests
+from satellite_cases import of_satellites
+from strategies import command_lines
 from strategies.calls import wrong_calls
 from strategies.outcomes import NOT_FINITE, TRACEBACK, outcome_of
 from strategies.parsers import lay_out, parsers
@@ -32,7 +33,7 @@ QUICK = [name for name, parser in parsers().items() if parser.share == 1.0]
 def folder(tmp_path_factory):
     made = tmp_path_factory.mktemp("fuzzing")
     lay_out(made)
-    requests.lay_out(made)
+    command_lines.lay_out(made)
     return made
 
 
@@ -50,19 +51,21 @@ def test_wrong_files_get_a_sentence_or_a_finite_result(name, folder):
 
 
 @FEW
-@given(line=requests.command_lines())
+@given(line=command_lines.command_lines())
 def test_wrong_command_lines(folder, line):
-    outcome = requests.run_command(line, folder)
+    outcome = command_lines.run_command(line, folder)
     assert outcome.good, outcome.text
 
 
-def test_wrong_requests(folder):
-    ask = requests.asking(folder)
+@pytest.mark.parametrize("name", of_satellites("ASKED"))
+def test_wrong_questions(folder, name):
+    questions, asking = of_satellites("ASKED")[name]
+    ask = asking(folder)
 
     @FEW
-    @given(request=requests.requests())
-    def attempt(request):
-        outcome = ask(request)
+    @given(question=questions())
+    def attempt(question):
+        outcome = ask(question)
         assert outcome.good, outcome.text
 
     attempt()

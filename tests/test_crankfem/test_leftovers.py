@@ -84,7 +84,6 @@ LINES += [
     ("designs", "PATH", "designs"),
     ("results", "PATH", "runs.csv"),
     ("doe", "6chn25-34", "--store", "PATH"),
-    ("serve", "--key-file", "PATH"),
     *of_satellites("READS").values(),
 ]
 TABLES = {

@@ -51,7 +51,7 @@ SLOW = {
 # Commands that leave nothing out, and know no --full.
 ALWAYS_WHOLE = ("new", "fields", "results", "verify", "draw", "export")
 # Whose JSON other tests make, which look at its units too, or holds no numbers.
-ELSEWHERE = {"run", "report", "serve", "doe", "designs", "import"} | of_satellites("READS").keys()
+ELSEWHERE = {"run", "report", "doe", "designs", "import"} | of_satellites("READS").keys()
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ from typing import Any
 
 from crankbase.calls import CallProcess, Limits, ProcessLostError, answered
 from crankbase.errors import InputError
-from crankfem.service.asking import ProblemError, field_errors, problem
-from crankfem.service.guard import Bounds, log_line
-from crankfem.service.job_store import FULL, NO_SPACE, JobStore, StoreError
+from crankfem.satellites.service.asking import ProblemError, field_errors, problem
+from crankfem.satellites.service.guard import Bounds, log_line
+from crankfem.satellites.service.job_store import FULL, NO_SPACE, JobStore, StoreError
 from regression.runs.workers import spawn_worker
 
 # A job whose process was lost is tried once more; one that the service did not outlive, too. One that finds
@@ -233,7 +233,12 @@ class JobRunner:
                     notes.append(change["note"])
 
         process.give(
-            "crankfem.service.tasks:run_job", kind, question, folder, bounds.workers, remarks=True
+            "crankfem.satellites.service.tasks:run_job",
+            kind,
+            question,
+            folder,
+            bounds.workers,
+            remarks=True,
         )
         response = None
         try:
@@ -294,7 +299,7 @@ def _started(folder: Path) -> CallProcess:
         process = CallProcess(spawn_worker(folder), "the worker process")
     except OSError as error:
         raise ProcessLostError(f"no worker process can be started ({error.strerror})") from None
-    process.give("crankfem.service.tasks:load")
+    process.give("crankfem.satellites.service.tasks:load")
     try:
         answered(*process.wait(Limits(LOADING)))
     except ProcessLostError:

@@ -16,10 +16,10 @@ import psutil
 import pytest
 
 from crankbase.errors import MOST_TOLD, InputError
-from crankfem.cli.commands.serve import _read_key
 from crankfem.client import Client, RefusedError
-from crankfem.service.guard import Settings
-from serving import ROOT, Served
+from crankfem.satellites.service.command import _read_key
+from crankfem.satellites.service.guard import Settings
+from satellites.service.serving import ROOT, Served
 
 KEY = "a key of twenty chars"
 

@@ -4,11 +4,12 @@ import re
 
 import pytest
 
+from browser.conftest import browser  # noqa: F401
 from comparing import close
 from crankfem import STEEL, CrankThrow, Material, analyze_throw, axial_law, load_throw
 from crankfem.files.engine.new_file import engine_template
 from regression.law.throw_law import axial_law_slopes
-from serving import Served
+from satellites.service.serving import Served
 
 pytest.importorskip("fastapi", reason="the service needs crankfem[serve]")
 pytestmark = pytest.mark.further
@@ -37,7 +38,7 @@ def served(tmp_path_factory, models):
 
 
 @pytest.fixture
-def open_service(browser, served):
+def open_service(browser, served):  # noqa: F811
     """Open the page; what it asked for and complained of is kept."""
     contexts = []
 

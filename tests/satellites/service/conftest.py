@@ -3,4 +3,4 @@ import pytest
 pytest.importorskip("fastapi", reason="the service needs crankfem[serve]")
 pytest.importorskip("uvicorn")
 
-from serving import models, serve, service, throw  # noqa: F401
+from satellites.service.serving import models, serve, service, throw  # noqa: F401

@@ -23,7 +23,7 @@ from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import formulas_of
 from crankfem.analyses.throw.law_record import LAW_BANDS, end_answers, neighbor_answers
 from crankfem.files.reading.toml_text import record_values, toml_text
-from crankfem.service.answers import (
+from crankfem.satellites.service.answers import (
     Formulas,
     Law,
     Lookups,
@@ -31,7 +31,7 @@ from crankfem.service.answers import (
     ModelNames,
     ValidThrow,
 )
-from crankfem.service.asking import (
+from crankfem.satellites.service.asking import (
     FormulasQuestion,
     LawQuestion,
     LookupQuestion,
@@ -43,10 +43,10 @@ from crankfem.service.asking import (
     read_question,
     read_record,
 )
-from crankfem.service.guard import Bounds
-from crankfem.service.job_store import JobStore
-from crankfem.service.responses import answer, described
-from crankfem.service.tasks import MODEL
+from crankfem.satellites.service.guard import Bounds
+from crankfem.satellites.service.job_store import JobStore
+from crankfem.satellites.service.responses import answer, described
+from crankfem.satellites.service.tasks import MODEL
 from fem.material import Material
 from fem.supports import Neighbors
 from geometry.plots.throw_plot import outline_svg

@@ -23,7 +23,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from crankbase.calls import GIGABYTE
 from crankbase.choices import is_whole_within
 from crankbase.errors import InputError
-from crankfem.service.asking import ProblemError, problem, problem_response
+from crankfem.satellites.service.asking import ProblemError, problem, problem_response
 
 
 class LogWriter(logging.Handler):

@@ -4,7 +4,7 @@ import os
 import stat
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -12,9 +12,6 @@ from crankbase.errors import InputError, MissingLibraryError
 from crankbase.input_file import not_a_file
 from crankfem.cli.commands.options import Output, WorkersOption, with_output
 from crankfem.cli.console import print_json, print_note
-
-if TYPE_CHECKING:
-    pass
 
 
 @with_output()
@@ -48,8 +45,8 @@ def serve(
     from regression.runs.study import check_workers
 
     try:
-        from crankfem.service.app import serve as serve_until_interrupted
-        from crankfem.service.guard import Bounds, Settings
+        from crankfem.satellites.service.app import serve as serve_until_interrupted
+        from crankfem.satellites.service.guard import Bounds, Settings
     except ModuleNotFoundError as error:
         raise MissingLibraryError(
             f"The service needs the package {error.name}; install it with: pip install 'crankfem[serve]'."

@@ -7,8 +7,8 @@ from pydantic_core import to_json
 from starlette.responses import Response
 
 from crankbase.model import InputModel, field_extra, part_kind
-from crankfem.service.answers import Problem
-from crankfem.service.asking import MEDIA_TYPE
+from crankfem.satellites.service.answers import Problem
+from crankfem.satellites.service.asking import MEDIA_TYPE
 from fem.material import Material
 from geometry.throw import CrankThrow
 

@@ -16,7 +16,7 @@ import pytest
 
 from throws import MEDIUM_SPEED, MEDIUM_SPEED_TOML
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[3]
 # Seconds for a service to answer on a busy machine.
 STARTING = 60.0
 
@@ -35,8 +35,8 @@ BOUNDED = """
 import sys
 sys.modules.update(dict.fromkeys({hidden}))
 from pathlib import Path
-from crankfem.service.guard import Bounds, Settings
-from crankfem.service.app import serve
+from crankfem.satellites.service.guard import Bounds, Settings
+from crankfem.satellites.service.app import serve
 settings = Settings(Path(sys.argv[1]), port=0, key={key!r}, bounds=Bounds(**{bounds}))
 serve(settings, lambda address: print("crankfem serves at", address, "", file=sys.stderr, flush=True))
 """

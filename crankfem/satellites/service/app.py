@@ -26,16 +26,16 @@ from uvicorn.protocols.http.auto import AutoHTTPProtocol
 
 from crankbase.errors import InputError
 from crankfem.analyses.provenance import program_version
-from crankfem.service import asking
-from crankfem.service.answers import Service
-from crankfem.service.asking import (
+from crankfem.satellites.service import asking
+from crankfem.satellites.service.answers import Service
+from crankfem.satellites.service.asking import (
     MEDIA_TYPE,
     KeyQuestion,
     problem,
     problem_response,
     read_question,
 )
-from crankfem.service.guard import (
+from crankfem.satellites.service.guard import (
     COOKIE,
     KEYED,
     REFUSED,
@@ -46,12 +46,12 @@ from crankfem.service.guard import (
     is_key,
     log_writer,
 )
-from crankfem.service.job_routes import job_routes
-from crankfem.service.job_runner import JobRunner
-from crankfem.service.job_store import JobStore
-from crankfem.service.model_routes import Models, QuickRoutes, model_routes
-from crankfem.service.model_routes import routes as throw_routes
-from crankfem.service.responses import answer, described, record_schemas
+from crankfem.satellites.service.job_routes import job_routes
+from crankfem.satellites.service.job_runner import JobRunner
+from crankfem.satellites.service.job_store import JobStore
+from crankfem.satellites.service.model_routes import Models, QuickRoutes, model_routes
+from crankfem.satellites.service.model_routes import routes as throw_routes
+from crankfem.satellites.service.responses import answer, described, record_schemas
 
 # Functions of routes, called most often.
 QUICK = ("evaluate_law", "look_up")
@@ -161,7 +161,7 @@ def _page_files() -> dict[str, tuple[bytes, str]]:
     media = {".html": "text/html; charset=utf-8", ".css": "text/css; charset=utf-8", ".js": SCRIPT}
     page = {
         file.name: (file.read_bytes(), media[f".{file.name.rpartition('.')[2]}"])
-        for file in (files("crankfem.service") / "page").iterdir()
+        for file in (files("crankfem.satellites.service") / "page").iterdir()
     }
     drawing = files("crankfem.report") / "templates" / "interactive.js"
     return page | {

@@ -15,8 +15,8 @@ from starlette.responses import FileResponse, Response, StreamingResponse
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
 from crankbase.model import InputModel
-from crankfem.service.answers import ENDED, CheckedText, Health, Job, Jobs
-from crankfem.service.asking import (
+from crankfem.satellites.service.answers import ENDED, CheckedText, Health, Job, Jobs
+from crankfem.satellites.service.asking import (
     AnalysisQuestion,
     FileQuestion,
     ProblemError,
@@ -24,11 +24,11 @@ from crankfem.service.asking import (
     read_body,
     read_question,
 )
-from crankfem.service.guard import Bounds
-from crankfem.service.job_runner import LOADING, JobRunner
-from crankfem.service.job_store import Followers, JobStore
-from crankfem.service.responses import JSON, answer, described
-from crankfem.service.tasks import REPORT, RESULT
+from crankfem.satellites.service.guard import Bounds
+from crankfem.satellites.service.job_runner import LOADING, JobRunner
+from crankfem.satellites.service.job_store import Followers, JobStore
+from crankfem.satellites.service.responses import JSON, answer, described
+from crankfem.satellites.service.tasks import REPORT, RESULT
 from geometry.gmsh_session import IsolatedProcess
 
 MOST_LISTED = 100
@@ -108,8 +108,8 @@ def job_routes(store: JobStore, runner: JobRunner, bounds: Bounds) -> APIRouter:
     def check(body: bytes) -> Any:
         try:
             # A process that has just started takes its time on a busy machine.
-            checker.call("crankfem.service.tasks:load_checks", time_limit=LOADING)
-            task, limit = "crankfem.service.tasks:check_body", bounds.check_seconds
+            checker.call("crankfem.satellites.service.tasks:load_checks", time_limit=LOADING)
+            task, limit = "crankfem.satellites.service.tasks:check_body", bounds.check_seconds
             return checker.call(task, body, time_limit=limit)
         except ProcessLostError as lost:
             raise InputError(f"text: given a file that cannot be checked: {lost}.") from None

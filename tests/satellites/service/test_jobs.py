@@ -12,12 +12,12 @@ import psutil
 import pytest
 
 from crankfem.client import Client, RefusedError
-from crankfem.service import job_runner, job_store
-from crankfem.service.asking import ProblemError
-from crankfem.service.guard import Bounds
-from crankfem.service.job_runner import STARTS, JobRunner
-from crankfem.service.job_store import FULL, GONE, Followers, JobStore, StoreError
-from serving import ROOT, STUDY, THROW
+from crankfem.satellites.service import job_runner, job_store
+from crankfem.satellites.service.asking import ProblemError
+from crankfem.satellites.service.guard import Bounds
+from crankfem.satellites.service.job_runner import STARTS, JobRunner
+from crankfem.satellites.service.job_store import FULL, GONE, Followers, JobStore, StoreError
+from satellites.service.serving import ROOT, STUDY, THROW
 
 
 def engine_text():
@@ -512,7 +512,8 @@ def test_a_service_says_that_its_folder_is_gone_and_restarts_no_worker(serve, tm
 def test_a_service_of_a_test_ends_with_the_program_that_started_it(own):
     program = own(
         f"import sys, time; sys.path.append({str(ROOT / 'tests')!r}); from pathlib import Path; "
-        "from serving import Served; service = Served(Path()); Path('ready').touch(); time.sleep(100)"
+        "from satellites.service.serving import Served; service = Served(Path()); "
+        "Path('ready').touch(); time.sleep(100)"
     )
     program.wait_for((program.scratch.parent / "ready").exists)
     assert [one for one in program.children() if "serve" in one.cmdline()]

@@ -16,8 +16,8 @@ from typing import Any
 from pydantic_core import to_json
 
 from crankbase.errors import InputError
-from crankfem.service.answers import ENDED, Job, State
-from crankfem.service.asking import ProblemError
+from crankfem.satellites.service.answers import ENDED, Job, State
+from crankfem.satellites.service.asking import ProblemError
 
 _COLUMNS = {
     "id": "TEXT PRIMARY KEY",

@@ -29,12 +29,12 @@ from crankfem import (
 from crankfem.analyses.throw.law_record import law_answers
 from crankfem.client import Client, RefusedError
 from crankfem.formulas import law_reactions
-from crankfem.service.asking import ProblemError
-from crankfem.service.model_routes import QuickRoutes
-from crankfem.service.tasks import check_upload
+from crankfem.satellites.service.asking import ProblemError
+from crankfem.satellites.service.model_routes import QuickRoutes
+from crankfem.satellites.service.tasks import check_upload
 from file_fields import SECRET, fields, plant, tells, text_with, upwards
 from regression.law.throw_law import axial_law_slopes
-from serving import ROOT, STUDY
+from satellites.service.serving import ROOT, STUDY
 
 
 @pytest.fixture

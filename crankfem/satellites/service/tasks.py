@@ -12,7 +12,7 @@ from crankbase.outputs import write_text
 from crankbase.results import Result, json_text
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import TomlFile, read_toml
-from crankfem.service.asking import (
+from crankfem.satellites.service.asking import (
     UNIT_FORCE,
     AnalysisQuestion,
     FileQuestion,

@@ -1,0 +1,9 @@
+"""What the core knows of the service."""
+
+from crankfem.files.satellites import Plug
+
+PLUG = Plug(
+    command=".service.command:serve",
+    after="report",
+    examples=("serve", "serve --models models --port 8000"),
+)
