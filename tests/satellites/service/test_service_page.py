@@ -133,7 +133,7 @@ def test_the_throw_is_calculated_and_turns(open_service, throw):
     assert download.value.path().read_text().startswith("ISO-10303-21;")
     with page.expect_download() as download:
         page.click(".toml")
-    assert 'crank_radius = "0.17 m"' in download.value.path().read_text()
+    assert 'crank_radius = "170 mm"' in download.value.path().read_text()
     assert page.complaints == []
 
 
