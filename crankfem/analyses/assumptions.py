@@ -62,12 +62,12 @@ def input_values(file: EngineFile) -> tuple[InputRecord, ...]:
     tuple of InputRecord
         Those of the file first. Each field is the one that can give the value.
     """
-    given = {record.field for record in file.records}
-    records = [*_of_mechanism(file, given)]
+    stated = {record.field for record in file.records}
+    records = [*_of_mechanism(file, stated)]
     if file.whole:
-        records += [*_of_shaft(file, given), *_of_damping(file), *_of_limits(file)]
-    own = [record for record in file.records if _matters(record, file)]
-    return (*own, *records)
+        records += [*_of_shaft(file, stated), *_of_damping(file), *_of_limits(file)]
+    relevant = [record for record in file.records if _matters(record, file)]
+    return (*relevant, *records)
 
 
 def assumed_values(file: EngineFile) -> tuple[InputRecord, ...]:
@@ -104,18 +104,18 @@ def _matters(record: InputRecord, file: EngineFile) -> bool:
     return True
 
 
-def _assumed(field: str, given: str, reason: str) -> InputRecord:
+def _assumed(field: str, value: str, reason: str) -> InputRecord:
     section, _, name = field.partition(".")
     info = SECTIONS[section].model.model_fields[name]
     meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
     effect = EFFECTS.get(field, "")
-    return InputRecord(field, given, meaning, symbol, reason, assumed=True, effect=effect)
+    return InputRecord(field, value, meaning, symbol, reason, assumed=True, effect=effect)
 
 
-def _of_mechanism(file: EngineFile, given: set[str]) -> Iterable[InputRecord]:
+def _of_mechanism(file: EngineFile, stated: set[str]) -> Iterable[InputRecord]:
     """Basis of motion, masses and gas pressure."""
     layout, material = file.layout, file.material
-    if "material.density" not in given and material == STEEL:
+    if "material.density" not in stated and material == STEEL:
         for name, value, unit in (
             ("youngs_modulus", material.youngs_modulus, "Pa"),
             ("poisson_ratio", material.poisson_ratio, ""),
@@ -125,14 +125,14 @@ def _of_mechanism(file: EngineFile, given: set[str]) -> Iterable[InputRecord]:
     hinged = [cylinder for cylinder in layout.cylinders if cylinder.slave_pin is not None]
     plain = [cylinder for cylinder in layout.cylinders if cylinder.slave_pin is None]
     for section, cylinders in (("rod", plain), ("hinged_rods", hinged)):
-        if cylinders and given.isdisjoint({f"{section}.inertia", f"{section}.swing_period"}):
+        if cylinders and stated.isdisjoint({f"{section}.inertia", f"{section}.swing_period"}):
             inertia = format_quantity(cylinders[0].rod.inertia, "kg m^2", 4)
             yield _assumed(f"{section}.inertia", inertia, "that of two masses at its pins")
-    if hinged and "hinged_rods.pin_angle" not in given:
+    if hinged and "hinged_rods.pin_angle" not in stated:
         yield _assumed(
             "hinged_rods.pin_angle", "angle between the banks", "the usual place of the pin"
         )
-    if "engine.bank_angles" in given and "engine.throws" not in given:
+    if "engine.bank_angles" in stated and "engine.throws" not in stated:
         throws = ", ".join(str(number + 1) for number in file.throws)
         yield _assumed(
             "engine.throws",
@@ -152,7 +152,7 @@ def _of_mechanism(file: EngineFile, given: set[str]) -> Iterable[InputRecord]:
         records.add("combustion_start_deg")  # it is solved for
     for name in USUAL_VALUES:
         field = f"gas.{name_of_field(name)}"
-        if name in records or field in given:
+        if name in records or field in stated:
             continue
         reason = USUAL_VALUES[name].reason
         if name == "intake_pressure" and gas.peak_pressure is not None:
@@ -180,7 +180,7 @@ def _shown_of_cycle(name: str, value: float) -> str:
     return f"{value:.6g} deg"
 
 
-def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
+def _of_shaft(engine: EngineFile, stated: set[str]) -> Iterable[InputRecord]:
     """Surroundings of the crankshaft."""
     held = engine.main_bearings
     if engine.bearings is None:
@@ -213,7 +213,7 @@ def _of_shaft(engine: EngineFile, given: set[str]) -> Iterable[InputRecord]:
     propeller = engine.propeller_forces
     for name in ("thrust", "torque"):
         field = f"propeller_forces.{name}_phases"
-        if propeller is not None and getattr(propeller, f"{name}_shares") and field not in given:
+        if propeller is not None and getattr(propeller, f"{name}_shares") and field not in stated:
             shown = ", ".join(["0 deg"] * len(getattr(propeller, f"{name}_shares")))
             yield _assumed(field, shown, "all harmonics are sines from the propeller's zero angle")
 
@@ -250,8 +250,8 @@ def _of_limits(engine: EngineFile) -> Iterable[InputRecord]:
         return
     steel = "the lowest strength in the rule; a stronger steel raises the limit"
     for name, value in (("tensile_strength", BASE_STRENGTH), ("yield_strength", BASE_YIELD)):
-        told = name == "tensile_strength" and engine.strength is not None
-        if not told and (limits is None or getattr(limits, name) is None):
+        by_strength = name == "tensile_strength" and engine.strength is not None
+        if not by_strength and (limits is None or getattr(limits, name) is None):
             yield _assumed(f"limits.{name}", format_quantity(value, "Pa"), steel)
     yield _assumed(
         "limits.crankshaft_rule",

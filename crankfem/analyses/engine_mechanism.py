@@ -177,7 +177,7 @@ def pressures_at(
 def engine_inputs(engine_file: EngineFile) -> tuple[InputFile, ...]:
     """Return an engine file and those it names: of pressures, at points of a map, of torque, its model."""
     files, gas, gas_map = engine_file.files, engine_file.gas, engine_file.gas_map
-    inputs: list[InputFile | None] = [files.own]
+    inputs: list[InputFile | None] = [files.main]
     if gas is not None and gas.pressure_table is not None:
         inputs.append(files.named("gas.pressure_table", gas.pressure_table, "tables"))
     for point in () if gas_map is None else gas_map.points:

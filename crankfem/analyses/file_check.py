@@ -157,12 +157,12 @@ class CheckedFile:
     not_used: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
 
-def check_file(given: str | TomlFile) -> CheckedFile:
+def check_file(file: str | TomlFile) -> CheckedFile:
     """Read a file of any kind, and check it.
 
     Parameters
     ----------
-    given : str
+    file : str
         Path, or the name of a shipped file; or its sections, if already read.
 
     Raises
@@ -170,8 +170,8 @@ def check_file(given: str | TomlFile) -> CheckedFile:
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = given if isinstance(given, TomlFile) else any_sections(given)
-    checked = _checked(given, content)
+    content = file if isinstance(file, TomlFile) else any_sections(file)
+    checked = _checked(file, content)
     if content is None:
         return checked
     used = {*USES, *uses_of_satellites()}
@@ -179,9 +179,9 @@ def check_file(given: str | TomlFile) -> CheckedFile:
     return replace(checked, not_used=unused)
 
 
-def _checked(given: str | TomlFile, content: TomlFile | None) -> CheckedFile:
+def _checked(file: str | TomlFile, content: TomlFile | None) -> CheckedFile:
     if content is None or file_kind(content) == "chain":
-        return _chain(load_chain(content or given))
+        return _chain(load_chain(content or file))
     if file_kind(content) in satellite_files():
         return _of_satellite(content)
     read = load_any(content)

@@ -69,10 +69,10 @@ def program_version() -> str:
     except PackageNotFoundError:
         project = Path(__file__).resolve().parents[2] / "pyproject.toml"
         try:
-            found = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["version"]
+            number = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["version"]
         except (OSError, KeyError, tomllib.TOMLDecodeError):
             return "development checkout"
-        return f"{found}, development checkout"
+        return f"{number}, development checkout"
 
 
 @result("name", "sha256")

@@ -162,7 +162,7 @@ def unbalanced_share(
     float
         The larger of unbalanced force / force and unbalanced moment / (force x distance of the ends).
     """
-    places, force, at = (np.asarray(own, dtype=float) for own in (places, force, at))
+    places, force, at = (np.asarray(vector, dtype=float) for vector in (places, force, at))
     forces = np.array([end.force for end in ends])
     moments = np.array([end.moment for end in ends])
     size = float(np.linalg.norm(force))

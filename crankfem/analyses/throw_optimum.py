@@ -108,7 +108,7 @@ class SlopedThrow:
 
     def moves(self, factors: Mapping[str, Any]) -> Array:
         """Logarithms of other dimensions divided by its own."""
-        return np.array([math.log(factors[name] / own) for name, own in self.factors.items()])
+        return np.array([math.log(factors[name] / length) for name, length in self.factors.items()])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,30 +125,30 @@ class _Local(Problem):
         sizes = {other: float(np.linalg.norm(move)) for other, move in moves.items()}
         far = [(size, other) for other, size in sizes.items() if size > NEAR]
         # Directions that hardly two throws differ in are left flat.
-        return far, far and np.linalg.pinv([moves[one] / size for size, one in far], rcond=0.1)
+        return far, far and np.linalg.pinv([moves[other] / size for size, other in far], rcond=0.1)
 
     def growth(self, name: str, move: Array) -> float:
         """Change of a response's logarithm: its slopes, with the least curvatures by which slopes differ."""
-        own, (far, inverse) = self.here.slopes[name], self.differences
+        slopes, (far, inverse) = self.here.slopes[name], self.differences
         bent = 0.0
         if far:
-            changes = [(other.slopes[name] - own) / size for size, other in far]
+            changes = [(other.slopes[name] - slopes) / size for size, other in far]
             bent = 0.5 * float(move @ (inverse @ changes) @ move)
-        return float(move @ own) + bent
+        return float(move @ slopes) + bent
 
     def place(self, factors: Factors) -> Array:
         """Place of a throw in the box."""
         ends = zip(factors.values(), self.space.ranges.values(), strict=True)
-        return np.array([(own - low) / ((high - low) or 1.0) for own, (low, high) in ends])
+        return np.array([(value - low) / ((high - low) or 1.0) for value, (low, high) in ends])
 
     def points(self, places: Array) -> Banded:
         return _Beside(self, cast(Factors, self.factors(places)))
 
     def lookups(self, factors: Mapping[str, Any]) -> dict[str, Lookup]:
-        found = {}
+        lookups = {}
         for name in (each for each in QUANTITIES if each in self.here.values):
             value, lower, upper = self.points(self.place(factors)).band(name)
-            found[name] = Lookup(
+            lookups[name] = Lookup(
                 value=value,
                 lower=lower,
                 upper=upper,
@@ -162,7 +162,7 @@ class _Local(Problem):
                 band="the finite elements' own error estimate",
                 equation="",
             )
-        return found
+        return lookups
 
 
 @dataclass(frozen=True)
@@ -213,8 +213,8 @@ class ThrowFamily:
             raise InputError(
                 "vary: given no dimension; allowed are one or more, each with a range."
             )
-        own = self.own
-        lengths = [name for name, value in own.items() if isinstance(value, float) and value]
+        nominal = self.nominal
+        lengths = [name for name, value in nominal.items() if isinstance(value, float) and value]
         for name, ends in self.ranges.items():
             unit = field_unit(name) or ""
             if name not in lengths or not unit:
@@ -224,7 +224,7 @@ class ThrowFamily:
                 )
             for end in ends:
                 check_dimension(f"vary: {name}", name, end)
-            (low, high), at = ends, float(own[name])
+            (low, high), at = ends, float(nominal[name])
             around = low <= at <= high or any(same_dimension(at, end) for end in ends)
             if not low < high or low * high <= 0.0 or not around:
                 shown = " to ".join(format_quantity(end, unit) for end in ends)
@@ -235,7 +235,7 @@ class ThrowFamily:
                 )
 
     @cached_property
-    def own(self) -> dict[str, Any]:
+    def nominal(self) -> dict[str, Any]:
         """The dimensions and labels of the engine's throw."""
         return throw_values(self.engine_file.throw, spelled_out=True)
 
@@ -247,7 +247,7 @@ class ThrowFamily:
     @cached_property
     def family(self) -> Family:
         """The dimensions that vary, and the others."""
-        rest = {name: value for name, value in self.own.items() if name not in self.ranges}
+        rest = {name: value for name, value in self.nominal.items() if name not in self.ranges}
         labels = {name: value for name, value in rest.items() if isinstance(value, str)}
         fixed = {name: value for name, value in rest.items() if name not in labels}
         return Family(ranges=self.ranges, fixed=fixed, labels=labels)
@@ -271,19 +271,19 @@ class ThrowFamily:
     def analyzed(self, factors: Factors, accuracy: float, frequencies: bool) -> SlopedThrow:
         """Analyze a throw, with slopes; `InputError`, `MeshError` or `SolveError` if it has none."""
         material, further = self.engine_file.material, self.frequencies if frequencies else _none
-        found = evaluate_throw(
+        answers = evaluate_throw(
             self.build(factors), material, accuracy, slopes=self.ranges, further=further
         )
-        missing = [path for path in self.ranges if path not in found.slopes["mass"]]
+        missing = [path for path in self.ranges if path not in answers.slopes["mass"]]
         if missing:
             raise InputError(
                 f"vary: given {missing[0]}, which has no slope where the throw's shape turns into another."
             )
         slopes = {
             name: np.array([of_paths[path] for path in self.ranges])
-            for name, of_paths in found.slopes.items()
+            for name, of_paths in answers.slopes.items()
         }
-        return SlopedThrow(factors, _named(found.values), _named(found.errors), _named(slopes))
+        return SlopedThrow(factors, _named(answers.values), _named(answers.errors), _named(slopes))
 
     def frequencies(
         self, throw: CrankThrow, element: Superelement, mass: float, inertia: float
@@ -335,36 +335,36 @@ class ThrowSearch:
         Returns the throw of some dimensions; InputError, MeshError or SolveError if there is none.
     refusal : callable
         Says why one cannot be built, or "".
-    told : callable
-        Hears a sentence before each analysis.
+    step : callable
+        Called with a sentence before each analysis.
     """
 
     whole: Problem
     analyze: Callable[[Factors], SlopedThrow]
     refusal: Callable[[Factors], str]
-    told: Callable[[str], object]
-    found: list[SlopedThrow] = field(default_factory=list)
+    step: Callable[[str], object]
+    throws: list[SlopedThrow] = field(default_factory=list)
     # Sentences of throws that could not be analyzed, and of the last that could not be built.
     refused: list[str] = field(default_factory=list)
 
     def local(self, here: SlopedThrow, ranges: Mapping[str, tuple[float, float]]) -> _Local:
         """Return the search beside a throw."""
         space = replace(self.whole.space, ranges=dict(ranges))
-        return _Local(**{**vars(self.whole), "space": space}, here=here, others=self.found)
+        return _Local(**{**vars(self.whole), "space": space}, here=here, others=self.throws)
 
     def rated(self, here: SlopedThrow) -> SearchResult:
         """Rate a throw by its own answers."""
         alone = replace(self.local(here, self.whole.space.ranges), others=())
-        return best_of(alone, [alone.place(here.factors)], len(self.found))
+        return best_of(alone, [alone.place(here.factors)], len(self.throws))
 
     @property
     def best(self) -> tuple[SlopedThrow, SearchResult]:
         """The best throw that keeps the limits, else the nearest."""
-        rated = [(one, self.rated(one)) for one in self.found]
-        kept = [one for one in rated if one[1].broken <= SPARE]
+        rated = [(throw, self.rated(throw)) for throw in self.throws]
+        kept = [pair for pair in rated if pair[1].broken <= SPARE]
         if kept:
-            return min(kept, key=lambda one: one[1].objective)
-        return min(rated, key=lambda one: one[1].broken)
+            return min(kept, key=lambda pair: pair[1].objective)
+        return min(rated, key=lambda pair: pair[1].broken)
 
     def gain(self, here: SlopedThrow | SearchResult, there: SearchResult) -> float:
         """How much better a throw is, as a share; beside one that misses limits, how much nearer to them."""
@@ -377,17 +377,17 @@ class ThrowSearch:
     def analyzed(self, factors: Factors) -> SlopedThrow | None:
         """Analyze a throw of the search; None if that is impossible."""
         best = ""
-        if self.found:
+        if self.throws:
             of, value = self.best[1], self.best[1].objective
             best = f", {'best' if of.broken <= SPARE else 'limits missed'} so far: "
             best += format_quantity(value, self.whole.unit, 5)
-        self.told(f"Analysis {len(self.found) + 1}{best}")
+        self.step(f"Analysis {len(self.throws) + 1}{best}")
         try:
-            self.found.append(self.analyze(factors))
+            self.throws.append(self.analyze(factors))
         except (InputError, MeshError, SolveError) as error:
             self.refused.append(str(error))
             return None
-        return self.found[-1]
+        return self.throws[-1]
 
     def buildable(self, here: Factors, change: Factors) -> Factors:
         """Return the farthest throw on the way to a change of some dimensions that can be built."""
@@ -418,8 +418,8 @@ class ThrowSearch:
             if local.limits:
                 near = nearest(local, start)
                 places += [near, polished(local, near)]
-            found = best_of(local, places, 0)
-            factors = cast(Factors, local.factors(found.place))
+            best = best_of(local, places, 0)
+            factors = cast(Factors, local.factors(best.place))
             refusal, before = self.refusal(factors), len(refusals)
             if refusal:
                 # Where throws end is known by trying alone: by one dimension, else on the way.
@@ -432,16 +432,16 @@ class ThrowSearch:
                 if len(refusals) > before:
                     continue
                 factors = self.buildable(here.factors, factors)
-                found = best_of(local, [local.place(factors)], 0)
+                best = best_of(local, [local.place(factors)], 0)
             at = [each for (name, last), each in refusals.items() if factors[name] == last]
-            return found, factors, next(iter(at), refusal)
+            return best, factors, next(iter(at), refusal)
 
     def follow(self, start: Factors) -> None:
         """Follow slopes from a throw, until they promise no more."""
         here, reach = self.analyzed(start), REACH
-        while here is not None and reach > LEAST_REACH and len(self.found) < MOST_ANALYSES:
-            found, factors, refusal = self.aim(here, reach)
-            promise = self.gain(here, found)
+        while here is not None and reach > LEAST_REACH and len(self.throws) < MOST_ANALYSES:
+            aim, factors, refusal = self.aim(here, reach)
+            promise = self.gain(here, aim)
             if promise < (NEARER if self.rated(here).broken > SPARE else PRECISION):
                 if not refusal:
                     break
@@ -459,27 +459,27 @@ class ThrowSearch:
         here, now = self.best
         local = self.local(here, self.whole.space.ranges)
         if now.broken > SPARE:
-            raise InputError(infeasible(local, now, f"none of {len(self.found)} throws analyzed"))
+            raise InputError(infeasible(local, now, f"none of {len(self.throws)} throws analyzed"))
         aims = [self.aim(here, REACH * 0.5**halved) for halved in range(6)]
         promise, refusal = max(self.gain(now, aim) for aim, _, _ in aims), aims[0][2]
         gain = (
             "no gain above 0.1 %" if promise < PRECISION else f"a gain of {percent(promise, 2)} %"
         )
-        told = [
-            f"throws analyzed: {len(self.found)}; the slopes of this one promise {gain} within "
+        notes = [
+            f"throws analyzed: {len(self.throws)}; the slopes of this one promise {gain} within "
             f"{100.0 * math.expm1(REACH):.0f} % of each dimension"
         ]
         if local.limits:
             band = "the worst end of the error bars" if local.margins else "values without margin"
-            told.insert(0, f"the limits are kept at {band} of this throw's own finite elements")
+            notes.insert(0, f"the limits are kept at {band} of this throw's own finite elements")
         if refusal:
-            told.append(
+            notes.append(
                 "slopes also point to throws that cannot be built, along whose edge better ones may lie: "
                 + refusal
             )
         if self.refused:
-            told.append(f"{len(self.refused)} could not be analyzed, the last: {self.refused[-1]}")
-        return make_optimum(local, now, *remarks, *told)
+            notes.append(f"{len(self.refused)} could not be analyzed, the last: {self.refused[-1]}")
+        return make_optimum(local, now, *remarks, *notes)
 
 
 def best_throw(
@@ -490,7 +490,7 @@ def best_throw(
     *,
     margins: bool = True,
     accuracy: float = 0.01,
-    told: Callable[[str], object] | None = None,
+    step: Callable[[str], object] | None = None,
 ) -> Optimum:
     """Find the throw of an engine with the smallest value of a dimension or response that keeps limits.
 
@@ -513,8 +513,8 @@ def best_throw(
         Whether limits must be kept at the worst end of the finite elements' error bars.
     accuracy : float
         Of each analysis, as for `analyze_throw`.
-    told : callable, optional
-        Hears a sentence before each analysis.
+    step : callable, optional
+        Called with a sentence before each analysis.
 
     Raises
     ------
@@ -536,16 +536,16 @@ def best_throw(
         Problem(family, minimize, tuple(limits), margins, space, spare=SPARE, active=ACTIVE),
         lambda factors: family.analyzed(factors, accuracy, frequencies),
         family.refusal,
-        told or _none,
+        step or _none,
     )
     try:
-        search.follow({name: float(family.own[name]) for name in vary})
-        if not search.found or search.best[1].broken > SPARE:
+        search.follow({name: float(family.nominal[name]) for name in vary})
+        if not search.throws or search.best[1].broken > SPARE:
             search.follow({name: 0.5 * (low + high) for name, (low, high) in vary.items()})
     except KeyboardInterrupt:
-        kept = search.found and search.best[1].broken <= SPARE
+        kept = search.throws and search.best[1].broken <= SPARE
         stopped = "the search was interrupted: this is the best throw so far"
         raise SearchInterrupted(search.result(stopped) if kept else None) from None
-    if not search.found:
+    if not search.throws:
         raise InputError(f"vary: given ranges where no search can begin: {search.refused[0]}")
     return search.result()

@@ -78,8 +78,8 @@ def test_the_search_finds_what_a_fine_grid_finds(bound):
     (check,) = found.limits
     assert check.worst <= bound
     assert check.worst == close(axial(**found.factors) * (1.0 + ERROR), rel=1e-12)
-    assert len(search.found) <= 10
-    assert found.evaluations == len(search.found)
+    assert len(search.throws) <= 10
+    assert found.evaluations == len(search.throws)
     assert any("promise no gain" in remark for remark in found.remarks)
 
 
@@ -115,7 +115,7 @@ def test_where_nothing_can_be_gained_one_analysis_is_enough():
     width, thickness = ENGINE.throw.web_width, ENGINE.throw.web_thickness
     ranges = {"web_width": (width, 0.36), "web_thickness": (thickness, 0.09)}
     search = searched(2e-9, ranges=ranges)
-    assert len(search.found) == 1
+    assert len(search.throws) == 1
     assert search.result().at_ends == ("web_width", "web_thickness")
 
 
@@ -124,7 +124,7 @@ def test_limits_that_cannot_be_kept_name_the_nearest_throw():
     search = searched(0.5e-9)
     with pytest.raises(InputError, match=r"web_width 360 mm, web_thickness 90 mm.*comes to"):
         search.result()
-    assert len(search.found) <= 6
+    assert len(search.throws) <= 6
 
 
 @pytest.mark.parametrize(
@@ -215,28 +215,28 @@ def test_the_best_throw_is_an_analyzed_one():
         Limit(("axial_compliance",), at_most=1.25e-9, unit="m/N"),
         Limit(("first_torsional_frequency",), at_least=84.0, unit="Hz"),
     ]
-    told = []
-    found = best_throw(ENGINE, RANGES, "mass", limits, told=told.append, accuracy=0.02)
+    steps = []
+    found = best_throw(ENGINE, RANGES, "mass", limits, step=steps.append, accuracy=0.02)
     again = analyze_throw(found.throw, ENGINE.material, 0.02)
     assert found.limits[0].value == close(again.axial_compliance("pinned"), rel=1e-9)
     assert found.value == close(again.mass, rel=1e-9)
     assert found.value < analyze_throw(ENGINE.throw, ENGINE.material, 0.02).mass
     assert all(check.limit.excess(check.worst) <= 0.0 for check in found.limits)
     assert found.lookups["mass"].value == found.value
-    assert len(told) == found.evaluations <= 12
+    assert len(steps) == found.evaluations <= 12
 
 
 @pytest.mark.slow
 def test_an_interrupt_brings_the_best_throw_so_far():
-    def told(sentence):
+    def interrupt(sentence):
         if sentence.startswith("Analysis 2"):
             raise KeyboardInterrupt
 
     limit = Limit(("axial_compliance",), at_most=1.4e-9, unit="m/N")
     with pytest.raises(SearchInterrupted) as stopped:
-        best_throw(ENGINE, RANGES, "mass", [limit], told=told, accuracy=0.05)
+        best_throw(ENGINE, RANGES, "mass", [limit], step=interrupt, accuracy=0.05)
     assert stopped.value.best.factors["web_width"] == ENGINE.throw.web_width
     limit = Limit(("axial_compliance",), at_most=1.2e-9, unit="m/N")
     with pytest.raises(SearchInterrupted) as stopped:
-        best_throw(ENGINE, RANGES, "mass", [limit], told=told, accuracy=0.05)
+        best_throw(ENGINE, RANGES, "mass", [limit], step=interrupt, accuracy=0.05)
     assert stopped.value.best is None

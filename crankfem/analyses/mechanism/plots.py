@@ -59,7 +59,7 @@ from dynamics.torque import EngineTorque, Star, same_stars, star_diagram
 MOST_IN_A_ROW = 4
 
 
-def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
+def plot_balance(path: Path, balance: Balance, *, title: str = "") -> None:
     """Plot the residual forces and moments, a curve for each order that is not balanced.
 
     If all forces are balanced, or all moments, they have no panel.
@@ -72,13 +72,13 @@ def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
         Above both panels.
     """
     shown: list[Literal["force", "moment"]] = []
-    if not all(row.force_balanced for row in found.rows):
+    if not all(row.force_balanced for row in balance.rows):
         shown.append("force")
-    if not all(row.moment_balanced for row in found.rows) or not shown:
+    if not all(row.moment_balanced for row in balance.rows) or not shown:
         shown.append("moment")
     with figure(path, len(shown), width=4.6 * len(shown), height=5.6) as panels:
         for axes, what in zip(np.atleast_1d(panels), shown, strict=True):
-            found.plot(axes, show=what)
+            balance.plot(axes, show=what)
         add_title(panels, title)
 
 
@@ -144,8 +144,8 @@ def plot_accelerations(
     for cylinder, name in cylinders.items():
         checked_cylinder(engine, cylinder)
         wholes.append(piston_acceleration(engine, cylinder, speed, angles_deg=np.degrees(angles)))
-        found = acceleration_orders(engine, cylinder, speed, max(orders))
-        parts = {f"order {order}": order_part(found, order, angles) for order in orders}
+        harmonics = acceleration_orders(engine, cylinder, speed, max(orders))
+        parts = {f"order {order}": order_part(harmonics, order, angles) for order in orders}
         left = wholes[-1] - sum(parts.values())
         for panel, curve in {"whole": wholes[-1], **parts, "the other orders": left}.items():
             panels.setdefault(panel, {})[name] = curve

@@ -45,27 +45,27 @@ class TwoMassFile:
     """
 
     path: Path
-    given: TwoMassInput
+    section: TwoMassInput
     engine: Engine | None
     highest_order: float | None
     harmonics: Harmonics | None
 
     def check(self, order: float | None = None) -> TwoMassCheck:
         """Return the check for an order, that of the file by default."""
-        return checked(self.given, self.harmonics, order)
+        return checked(self.section, self.harmonics, order)
 
 
 def checked(
-    given: TwoMassInput, harmonics: Harmonics | None, order: float | None = None
+    section: TwoMassInput, harmonics: Harmonics | None, order: float | None = None
 ) -> TwoMassCheck:
     """Return the check of a section [two_mass_check], for its own order by default."""
     return two_mass_check(
-        diameter=given.shaft_diameter,
-        length=given.shaft_length,
-        shear_modulus=given.shear_modulus,
-        inertia_1=given.flywheel_inertia,
-        inertia_2=given.engine_inertia,
-        order=given.order if order is None else order,
+        diameter=section.shaft_diameter,
+        length=section.shaft_length,
+        shear_modulus=section.shear_modulus,
+        inertia_1=section.flywheel_inertia,
+        inertia_2=section.engine_inertia,
+        order=section.order if order is None else order,
         harmonics=harmonics,
     )
 
@@ -90,7 +90,7 @@ def read_two_masses(content: TomlFile) -> TwoMassFile:
     strokes = None if engine is None else engine.strokes
     return TwoMassFile(
         path=content.path,
-        given=model,
+        section=model,
         engine=engine,
         highest_order=None if settings is None else settings.highest_order,
         harmonics=None if table is None else read_torque_table(table, strokes=strokes).harmonics(),
@@ -216,12 +216,12 @@ def run_two_masses(file: TwoMassFile, order: float | None = None) -> TwoMassRun:
                 [check.frequency], engine_orders(engine.strokes, highest), running
             )
         ),
-        None if table is None else _shaft_torque(file.given, check, engine, table),
+        None if table is None else _shaft_torque(file.section, check, engine, table),
     )
 
 
 def _shaft_torque(
-    given: TwoMassInput, check: TwoMassCheck, engine: Engine, harmonics: Harmonics
+    section: TwoMassInput, check: TwoMassCheck, engine: Engine, harmonics: Harmonics
 ) -> ShaftTorque:
     """Find the torque in the shaft at rated speed.
 
@@ -229,7 +229,7 @@ def _shaft_torque(
     order is far below resonance, and 1 / (1 - (k w / w_c1)^2) times as much near it.
     """
     torque = summed_cylinders(harmonics, np.degrees(engine.firing_angles).tolist()).torque
-    passed = given.flywheel_inertia / (given.flywheel_inertia + given.engine_inertia)
+    passed = section.flywheel_inertia / (section.flywheel_inertia + section.engine_inertia)
     nearness = 1.0 - (torque.orders * engine.rated_speed / check.angular_frequency) ** 2
     with np.errstate(divide="ignore"):
         magnification = np.where(nearness == 0.0, np.inf, 1.0 / nearness)

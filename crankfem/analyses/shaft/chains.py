@@ -280,7 +280,7 @@ def shaft_surroundings(
     """
     per_throw = len(engine_file.throw.parts.pins)
     each = crank_analyses(engine_file, analysis)
-    solids = np.array([own.masses.inertia_about_shaft for own in each])
+    solids = np.array([throw.masses.inertia_about_shaft for throw in each])
     rods = engine_throw_inertias(engine_file, solids) - solids
     at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
     thrust, damper = engine_file.required(ThrustBearing), engine_file.axial_damper

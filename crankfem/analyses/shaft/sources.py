@@ -71,8 +71,11 @@ def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawAn
 def refuse_law(engine_file: EngineFile) -> None:
     """Refuse the law as a source if it does not cover a throw."""
     vibration = engine_file.vibration
-    for kind, own in (("axial", vibration.axial_source), ("torsional", vibration.torsional_source)):
-        if own.casefold() != LAW:
+    for kind, source in (
+        ("axial", vibration.axial_source),
+        ("torsional", vibration.torsional_source),
+    ):
+        if source.casefold() != LAW:
             continue
         try:
             law_values(engine_file, f"{kind}_compliance")
@@ -130,8 +133,10 @@ def throw_lookups(
 
 def chosen_regressions(vibration: VibrationSettings) -> dict[str, str]:
     """Return the kinds of vibration whose source is a regression, with the response that they need."""
-    given = {"axial": vibration.axial_source, "torsional": vibration.torsional_source}
-    return {kind: RESPONSES[kind] for kind, own in given.items() if own.casefold() == REGRESSION}
+    sources = {"axial": vibration.axial_source, "torsional": vibration.torsional_source}
+    return {
+        kind: RESPONSES[kind] for kind, source in sources.items() if source.casefold() == REGRESSION
+    }
 
 
 def refuse_regression(engine_file: EngineFile, model: "ComplianceModel | None") -> None:
@@ -185,7 +190,7 @@ def _loaded(path: GivenFile, field: str) -> "ComplianceModel":
 
 
 def usable_model(
-    engine_file: EngineFile, given: "ComplianceModel | None"
+    engine_file: EngineFile, chosen: "ComplianceModel | None"
 ) -> "ComplianceModel | None":
     """Return the model given, else the one that the file names; None without either.
 
@@ -195,7 +200,7 @@ def usable_model(
         If the file's model cannot be read, or a regression is to be the source of compliances and there is
         none, or it does not cover the engine's throws.
     """
-    model = saved_model(engine_file) if given is None else given
+    model = saved_model(engine_file) if chosen is None else chosen
     refuse_regression(engine_file, model)
     return model
 
@@ -222,13 +227,13 @@ def with_model(content: TomlFile, path: Path) -> TomlFile:
             f"--model: given {path}, a model of {', '.join(held)}; allowed is one of "
             f"{' or '.join(RESPONSES.values())}, because the chains are made of these."
         )
-    given = {"model": str(path.absolute()), **chosen}
-    vibration = {**content.sections.get("vibration", {}), **given}
-    told = {f"vibration.{name}": (OPTION, False) for name in given}
+    changed = {"model": str(path.absolute()), **chosen}
+    vibration = {**content.sections.get("vibration", {}), **changed}
+    origins = {f"vibration.{name}": (OPTION, False) for name in changed}
     return replace(
         content,
         sections={**content.sections, "vibration": vibration},
-        provenance={**content.provenance, **told},
+        provenance={**content.provenance, **origins},
     )
 
 
@@ -308,7 +313,7 @@ def _fitted_sources(
 ) -> Sources:
     """Compliances by finite elements, and by the equations and the law fitted to them."""
     each = crank_analyses(engine_file, analysis)
-    pinned = np.array([getattr(own, quantity)("pinned") for own in each])
+    pinned = np.array([getattr(throw, quantity)("pinned") for throw in each])
     fitted_sources: Sources = {
         FE: (in_shaft, "superelements assembled at the crank angles, in elastic main bearings"),
         FE_PINNED: (
@@ -336,11 +341,11 @@ def _looked_up(
 ) -> tuple[NDArray[np.float64], str]:
     """Looked-up values of each throw in the shaft; NaN where a throw has none."""
     try:
-        found = look_up()
+        values = look_up()
     except InputError as error:
         return np.full_like(ratios, np.nan), str(error)
     return (
-        np.array([found[throw].value for throw in engine_file.crank_throws]) * ratios,
+        np.array([values[throw].value for throw in engine_file.crank_throws]) * ratios,
         f"the {name}'s pinned value, times each throw's ratio from the assembled superelements",
     )
 
@@ -399,8 +404,8 @@ def torsional_by_formulas(throws: Sequence[CrankThrow], material: Material) -> S
     wrong = f"{remark}; does not apply{'' if len(tables) == 1 else ' to every throw'}"
     return {
         name: (
-            np.array([own[name].value for own in each]),
-            remark if all(own[name].valid for own in each) else wrong,
+            np.array([table[name].value for table in each]),
+            remark if all(table[name].valid for table in each) else wrong,
         )
         for name in each[0]
     }
@@ -469,8 +474,8 @@ def source_spread(
         else:
             assert model is not None
             lookups = throw_lookups(engine_file, model, RESPONSES[kind]).values()
-            bands, told = lookups, dict.fromkeys(lookup.band for lookup in lookups)
-            name = f"error of the regression ({'; '.join(told)})"
+            bands, meanings = lookups, dict.fromkeys(lookup.band for lookup in lookups)
+            name = f"error of the regression ({'; '.join(meanings)})"
         ends = [
             (band.lower / band.value, band.upper / band.value)
             for band in bands
@@ -538,9 +543,11 @@ def _elements(engine_file: EngineFile, kind: str, analyzed_throw: AnalyzedThrow)
 def analyzed_throws() -> tuple[AnalyzedThrow, ...]:
     """Return the throws of the shipped engines with their compliances by finite elements."""
     text = (data_folder() / "tables" / TABLE).read_text(encoding="utf-8")
-    found = []
+    throws = []
     for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")):
         name, *numbers = row.values()
         in_line, opposite, ratio, torsional, error = map(float, numbers)
-        found.append(AnalyzedThrow(*load_throw(name), (in_line, opposite, ratio), torsional, error))
-    return tuple(found)
+        throws.append(
+            AnalyzedThrow(*load_throw(name), (in_line, opposite, ratio), torsional, error)
+        )
+    return tuple(throws)

@@ -24,11 +24,11 @@ def analyze_throws(engine_file: EngineFile) -> dict[str, ThrowAnalysis]:
         If a throw cannot be meshed or solved.
     """
     throws = engine_file.named_throws
-    found = {
+    analyses = {
         throw: analyze_throw(throw, engine_file.material)
         for throw in dict.fromkeys(throws.values())
     }
-    return {name: found[throw] for name, throw in throws.items()}
+    return {name: analyses[throw] for name, throw in throws.items()}
 
 
 def analyses_by_name(engine_file: EngineFile, analysis: Analyses) -> dict[str, ThrowAnalysis]:
@@ -63,5 +63,5 @@ def crank_analyses(engine_file: EngineFile, analysis: Analyses) -> tuple[ThrowAn
     InputError
         If that of a throw is missing.
     """
-    found = analyses_by_name(engine_file, analysis)
-    return tuple(found[name] for name in engine_file.throw_names)
+    analyses = analyses_by_name(engine_file, analysis)
+    return tuple(analyses[name] for name in engine_file.throw_names)

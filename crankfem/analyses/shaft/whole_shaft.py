@@ -89,12 +89,12 @@ def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Floa
     loss = 0.0 if engine_file.damping is None else engine_file.damping.loss_factor or 0.0
     kinds: tuple[Kind, ...] = ("axial", "torsional")
     for place, kind in enumerate(kinds):
-        own = shaft.spring_kinds == place
+        of_kind = shaft.spring_kinds == place
         if magnifier_of(engine_file, kind)[2]:
-            left = strain[own & shaft.damped_springs].sum(axis=0)
+            left = strain[of_kind & shaft.damped_springs].sum(axis=0)
             by_share -= ratios[place] * np.minimum(left, shares[place])
         elif kind == "torsional":
-            by_share -= 0.5 * loss * np.minimum(strain[own].sum(axis=0), shares[place])
+            by_share -= 0.5 * loss * np.minimum(strain[of_kind].sum(axis=0), shares[place])
     return np.concatenate((by_share, np.full(crankshaft.corrections, ratios[-1])))
 
 
@@ -110,8 +110,8 @@ def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
             damping.bending_magnifier is not None,
         )
     axial, torsional, bending = (
-        f"{percent(ratio, 3)} %{'' if own else ' (assumed)'}"
-        for ratio, own in zip(_damping_ratios(engine_file), known, strict=True)
+        f"{percent(ratio, 3)} %{'' if stated else ' (assumed)'}"
+        for ratio, stated in zip(_damping_ratios(engine_file), known, strict=True)
     )
     remarks = [
         "modes have the damping of the chains, weighted by their energy shares, of critical damping: "
@@ -381,7 +381,10 @@ def whole_shaft(
             "superelement: given one for several throws; allowed is none, because each throw has its own."
         )
     # Throws side by side share the ring that the mean motion of a section is taken over.
-    widest = max((element.sections for element in elements), key=lambda one: (one.radius, one.bore))
+    widest = max(
+        (element.sections for element in elements),
+        key=lambda section: (section.radius, section.bore),
+    )
     throws = [
         throw
         for crank_throw, element, angle_deg in zip(
@@ -433,7 +436,9 @@ def _line_nodes(engine_file: EngineFile, forces: PropellerForcesSection) -> set[
         ("torsional", forces.torque_shares),
         ("axial", forces.thrust_shares),
     )
-    named = [set(lines[kind].names[1:]) if kind in lines else set() for kind, own in acting if own]
+    named = [
+        set(lines[kind].names[1:]) if kind in lines else set() for kind, shares in acting if shares
+    ]
     return set.intersection(*named)
 
 
@@ -524,7 +529,7 @@ def shaft_response(
     SolveError
         If power in and heat do not balance.
     """
-    found = coupled_response(
+    response = coupled_response(
         whole.crankshaft,
         forces,
         pins=engine_file.pins,
@@ -534,9 +539,9 @@ def shaft_response(
         else modal_damping(engine_file, whole.crankshaft),
         further=propeller_on_shaft(engine_file, whole, forces.speeds),
     )
-    for answer in found.parts:
+    for answer in response.parts:
         checked_power_balance(answer)
-    return found
+    return response
 
 
 def compare_with_chains(

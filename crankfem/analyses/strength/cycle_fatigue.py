@@ -221,17 +221,17 @@ class EngineFatigue(Result):
             if least.cylinders
             else "firing normally"
         )
-        said = (
+        text = (
             "Fatigue over the cycle, by finite elements and Findley's criterion: the least safety factor is "
             f"{least.safety:.2f} at the {least.name} of throw {least.throw}, at "
             f"{RPM * least.speed:.4g} 1/min, shaft angle {least.shaft_angle_deg:.0f}°, {firing}"
         )
         broken = sum(place.safety < 1.0 for place in self.places)
         if broken:
-            said += f"; {broken} of {len(self.places)} locations are below 1"
+            text += f"; {broken} of {len(self.places)} locations are below 1"
         if least.rule_factor is None:
-            return f"{said}; UR M53 does not cover that location."
-        return f"{said}; UR M53 has Q = {least.rule_factor:.2f} for that location."
+            return f"{text}; UR M53 does not cover that location."
+        return f"{text}; UR M53 has Q = {least.rule_factor:.2f} for that location."
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each location, the least safety first.

@@ -263,7 +263,7 @@ class JudgedCase:
 
     throw: int
     place: str
-    own: ThrowWeb
+    web: ThrowWeb
     factors: ConcentrationFactors | ElementFactors
     bending: float
     shear: float
@@ -273,7 +273,7 @@ class JudgedCase:
 
 def judged_places(case: JudgedCase, section: StrengthSection) -> Iterator[PlaceStrength]:
     """Return the location at its surface, and if hardened at the transition below too."""
-    web, place = case.own.web, case.place
+    web, place = case.web.web, case.place
     on_bending, on_shear, on_torsion = case.factors.at(place)
     sizes = web.pin_diameter, web.pin_bore
     if place == "journal fillet":
@@ -312,7 +312,7 @@ def judged_places(case: JudgedCase, section: StrengthSection) -> Iterator[PlaceS
         yield PlaceStrength(
             throw=case.throw,
             place=place,
-            web="" if place == "oil hole" else case.own.name,
+            web="" if place == "oil hole" else case.web.name,
             depth=depth,
             nominal_bending=case.bending,
             nominal_shear=case.shear,
@@ -350,7 +350,7 @@ def strength_remarks(
         f"bending is due to the rods' forces at rated speed, {RPM * engine.rated_speed:.4g} 1/min, each "
         "throw supported separately"
     )
-    left_out = ", ".join(shown_range(*one) for one in loads.barred)
+    left_out = ", ".join(shown_range(*speeds) for speeds in loads.barred)
     yield (
         f"torsion is the largest from {shown_range(engine.lowest_speed, engine.highest_speed)}"
         f"{f' without {left_out}, which the verdict bars' if left_out else ''}, orders up to "
@@ -388,12 +388,12 @@ def strength_remarks(
             f"and stresses {met} the criteria of the rule's Appendix III at every fillet"
         )
     changes = dict.fromkeys(
-        f"{name} {percent(one, 2, signed=True)} %"
+        f"{name} {percent(change, 2, signed=True)} %"
         for web in judged
-        for name, one in coefficient_differences(web).items()
+        for name, change in coefficient_differences(web).items()
     )
     if changes:
-        (cubic, square), (other_cubic, other_square) = (DOUBTFUL[one] for one in COEFFICIENTS)
+        (cubic, square), (other_cubic, other_square) = (DOUBTFUL[kind] for kind in COEFFICIENTS)
         yield (
             f"two coefficients are doubtful, the {section.coefficients} ones are used: {other_cubic:g} in "
             f"place of the printed {cubic:g}, and {other_square:g} in place of {square:g}, would change "
@@ -489,8 +489,8 @@ class EngineStrength(Result):
     @property
     def places(self) -> tuple[PlaceStrength, ...]:
         """Those of all throws, the one with the least acceptability first."""
-        found = (place for throw in self.throws for place in throw.places)
-        return tuple(sorted(found, key=lambda one: round(one.acceptability, EQUAL)))
+        places = (place for throw in self.throws for place in throw.places)
+        return tuple(sorted(places, key=lambda place: round(place.acceptability, EQUAL)))
 
     @property
     def passed(self) -> Part[bool | None]:
@@ -508,18 +508,18 @@ class EngineStrength(Result):
             return f"Crankshaft strength by UR M53 is not judged: {unjudged[0]}"
         least, wrong = self.places[0], sum(not place.passed for place in self.places)
         how = ", factors by finite elements" if self.by_elements else ""
-        said = (
+        text = (
             f"Crankshaft strength by UR M53{how}: the least acceptability factor is {shown_factor(least)} "
             f"at the {least.place} of throw {least.throw}, {REQUIRED:g} is required"
         )
         count = len(self.places)
-        said += (
+        text += (
             f"; {wrong} of {count} locations are below it." if wrong else f"; all {count} reach it."
         )
         fits = [throw for throw in self.throws if throw.fit is not None and not throw.fit.passed]
         if fits and fits[0].fit is not None:
-            said += f" Shrink fit of throw {fits[0].number}: {fits[0].fit.refusals[0]}."
-        return f"{said} Not judged: {unjudged[0]}" if unjudged else said
+            text += f" Shrink fit of throw {fits[0].number}: {fits[0].fit.refusals[0]}."
+        return f"{text} Not judged: {unjudged[0]}" if unjudged else text
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each location, the one with the least acceptability first.

@@ -83,22 +83,22 @@ def factor_diagram(
     lines, dots = [], []
     for fit, curve in zip(forms, section.curves, strict=True):
         name, chosen = response.form_text(fit), fit is response.chosen
-        x, y, told = values / x_size, curve / size, f"{fit.form}<br>%{{x:.5g}}<br>{hover}"
+        x, y, tip = values / x_size, curve / size, f"{fit.form}<br>%{{x:.5g}}<br>{hover}"
         color, width = (BLUE, 1.8) if chosen else (GRAY, 1.4)
         if labels:
-            dots.append(Dots(x, y, name, color, "_", hover=told))
+            dots.append(Dots(x, y, name, color, "_", hover=tip))
         else:
             dash = "solid" if chosen else next(dashes)
-            lines.append(Line(x, y, name, color, told, width, dash))
+            lines.append(Line(x, y, name, color, tip, width, dash))
     x, y = table.values[:, place] / x_size, section.results / size
     for those, symbol, name in (
         (~section.on_line, "O", "other designs, moved to this line"),
         (section.on_line, "o", "finite elements"),
     ):
         if those.any():
-            own = tuple(compress(texts, those))
-            told = f"<b>{name}</b><br>%{{text}}<br>{hover}"
-            dots.append(Dots(x[those], y[those], name, ORANGE, symbol, hover=told, texts=own))
+            tip_texts = tuple(compress(texts, those))
+            tip = f"<b>{name}</b><br>%{{text}}<br>{hover}"
+            dots.append(Dots(x[those], y[those], name, ORANGE, symbol, hover=tip, texts=tip_texts))
     return Diagram(
         Limits(
             factor_label_text(factor.name, factor.unit, labels),
@@ -129,10 +129,10 @@ def parity_diagrams(
     shown, size = display_unit(response.unit)
     by_fe, values = table.responses[response.column], predicted(table, response, fit)
     name = math_symbol(response.symbol)
-    x, told = Limits(f"{name} by FE [{shown}]"), f"{symbol} by FE %{{x:.5g}}{unit}<br>"
+    x, tip = Limits(f"{name} by FE [{shown}]"), f"{symbol} by FE %{{x:.5g}}{unit}<br>"
 
     def dots(y: NDArray[np.float64], hover: str) -> list[Dots]:
-        return design_dots(by_fe / size, y, table.held_out, told + hover, texts)
+        return design_dots(by_fe / size, y, table.held_out, tip + hover, texts)
 
     return (
         Diagram(

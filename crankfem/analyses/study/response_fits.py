@@ -485,8 +485,12 @@ def _doubted(
     x = encoding.columns(table.plan.factors, table.values[runs], {})
     precision = float(np.mean(table.errors[column][runs])) if column in table.errors else 0.0
     y = table.responses[column][runs]
-    given = encoding.names, x, y, slopes, encoding.logged, precision
-    return contradicting_slopes(*given) if doubted is None else confirmed_doubts(*given, doubted)
+    arguments = encoding.names, x, y, slopes, encoding.logged, precision
+    return (
+        contradicting_slopes(*arguments)
+        if doubted is None
+        else confirmed_doubts(*arguments, doubted)
+    )
 
 
 def _named_slopes(table: StudyTable, doubted: Sequence[tuple[int, int]]) -> tuple[str, ...]:
@@ -500,8 +504,8 @@ def _named_slopes(table: StudyTable, doubted: Sequence[tuple[int, int]]) -> tupl
             continue
         for run in runs:
             settings = (
-                f"{one.name} {one.format_value(value)}"
-                for one, value in zip(factors, values[run].tolist(), strict=True)
+                f"{varied.name} {varied.format_value(value)}"
+                for varied, value in zip(factors, values[run].tolist(), strict=True)
             )
             texts.append(f"over {factor.name} at {', '.join(settings)}")
     return tuple(texts)

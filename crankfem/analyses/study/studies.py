@@ -230,27 +230,27 @@ class StudyResult:
             check_not_given("form", form, show, "it shows no single form")
         if show != "response":
             check_not_given("factor", factor, show, "only a response is drawn over one")
-        found, factors = self.fits[name], self.table.plan.names
-        fit = found.chosen if form is None else found.fit_named(form)
+        fits, factors = self.fits[name], self.table.plan.names
+        fit = fits.chosen if form is None else fits.fit_named(form)
         if show == "effects":
-            return found.plot(axes, show="effects", form=form)
+            return fits.plot(axes, show="effects", form=form)
         along = factors[0] if factor is None else factor
         check_choice("factor", along, factors, "these vary in the study")
         axes = new_axes(axes)
         if show == "parity":
-            draw_diagram(axes, parity_diagrams(self.table, found, fit)[0])
-            write_title(axes, parity_title(found, fit), 9)
+            draw_diagram(axes, parity_diagrams(self.table, fits, fit)[0])
+            write_title(axes, parity_title(fits, fit), 9)
             legend_inside(axes)
         elif show == "response":
-            draw_diagram(axes, factor_diagram(self.table, found, factors.index(along)))
-            write_title(axes, f"{name.replace('_', ' ')}, {found.support}".rstrip(", "))
+            draw_diagram(axes, factor_diagram(self.table, fits, factors.index(along)))
+            write_title(axes, f"{name.replace('_', ' ')}, {fits.support}".rstrip(", "))
             legend_inside(axes)
         else:
-            known = sensitivities(self.table, found)
+            known = sensitivities(self.table, fits)
             if show == "sobol":
-                draw_fit_sobol(axes, [factor_text(one) for one in factors], known)
+                draw_fit_sobol(axes, list(map(factor_text, factors)), known)
             else:
-                draw_fit_elasticities(axes, self.table, found, known)
+                draw_fit_elasticities(axes, self.table, fits, known)
             write_title(axes, name.replace("_", " "))
         return axes
 

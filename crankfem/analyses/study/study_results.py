@@ -364,11 +364,11 @@ class FittedStudy(Result):
     def lookup_line(self, model: str) -> str:
         """Return the command that looks the study's nominal throw up in a model."""
         effects = self.fits[self.main_response].sensitivities
-        given = (
+        dimensions = (
             f"{name}={value if isinstance(value, str) else format_quantity(value, effects.units[name])}"
             for name, value in effects.nominal.items()
         )
-        return f"crankfem lookup {model} {' '.join(text.replace(' ', '') for text in given)}"
+        return f"crankfem lookup {model} {' '.join(text.replace(' ', '') for text in dimensions)}"
 
     def parts(self, response: str | None = None, form: str | None = None) -> Parts:
         """Tabulate all responses, and one of them with all its forms.

@@ -244,15 +244,15 @@ class StressResults(Result):
     def factor_table(self) -> Table:
         """Return the factors of all loads by fillet and exit."""
         tables = (table.select(table.columns[0].name, "factor") for table in self.tables())
-        found = [{str(name): factor for name, factor in table.rows} for table in tables]
-        names = dict.fromkeys(name for factors in found for name in factors)
+        columns = [{str(name): factor for name, factor in table.rows} for table in tables]
+        names = dict.fromkeys(name for factors in columns for name in factors)
         return Table(
             "Stress concentration factors",
             [
                 Column("fillet or exit", words=True),
                 *(Column(load.load.lower(), decimals=2, missing="") for load in self.loads),
             ],
-            [[name, *(factors.get(name) for factors in found)] for name in names],
+            [[name, *(factors.get(name) for factors in columns)] for name in names],
         )
 
     def sentences(self) -> list[str]:

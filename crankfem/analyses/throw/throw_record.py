@@ -162,7 +162,9 @@ class ThrowResults(Result):
             return force_words(self.pin_force, "the pin", units)
         first = force_words(self.pin_force, "the first pin", units)
         further = enumerate(self.further_pin_forces or (), start=2)
-        return " and ".join([first, *(force_words(own, f"pin {n}", units) for n, own in further)])
+        return " and ".join(
+            [first, *(force_words(force, f"pin {n}", units) for n, force in further)]
+        )
 
     def support_table(self) -> Table:
         """Return the compliances by support of the end sections."""
@@ -178,7 +180,10 @@ class ThrowResults(Result):
 
     def loaded_table(self, units: OutputUnits = SI) -> Table:
         """Return the compliances with the axial force P due to the force on the pin."""
-        table, forces = self.support_table(), (own.axial_force for own in self.supports.values())
+        table, forces = (
+            self.support_table(),
+            (supported.axial_force for supported in self.supports.values()),
+        )
         return replace(
             table,
             columns=[*table.columns, Column("P", "kN")],
@@ -248,7 +253,7 @@ class ThrowResults(Result):
 
     def reaction_table(self, units: OutputUnits = SI) -> Table:
         """Return the reactions of the ends to the force on the pin."""
-        ends = {name: own.reactions for name, own in self.supports.items()}
+        ends = {name: supported.reactions for name, supported in self.supports.items()}
         return reaction_table(ends, self.pin_force_words(units))
 
     @property
@@ -269,7 +274,7 @@ class ThrowResults(Result):
     def sentences(self, units: OutputUnits = SI) -> list[str]:
         """State masses, model, and the effect of rigid sections."""
         static, dynamic = (
-            math.hypot(*own) for own in (self.unbalance.static, self.unbalance.dynamic)
+            math.hypot(*vector) for vector in (self.unbalance.static, self.unbalance.dynamic)
         )
         met = "" if self.accuracy_met else f"; the accuracy of {self.accuracy:.2g} was not met"
         masses = (
@@ -388,7 +393,7 @@ class ReactionResults(Result):
 
     def table(self, units: OutputUnits) -> Table:
         """Return the reactions of the ends."""
-        ends = {name: own.reactions for name, own in self.supports.items()}
+        ends = {name: supported.reactions for name, supported in self.supports.items()}
         return reaction_table(ends, force_words(self.pin_force, "the pin", units))
 
 
@@ -536,11 +541,11 @@ def picture_reactions(results: ThrowResults, folder: Path) -> Path:
     path, drawn = folder / PICTURE, isinstance(results.dimensions, CrankThrow)
     columns, rows = 2 + drawn, len(results.supports)
     with figure(path, columns, 4.8 * columns, 4.2 * rows, rows=rows) as panels:
-        for row, (name, own) in zip(panels, results.supports.items(), strict=True):
+        for row, (name, supported) in zip(panels, results.supports.items(), strict=True):
             if drawn:
                 results.plot(row[0], support=name)
-            own.reactions.plot(row[-2], show="force")
-            own.reactions.plot(row[-1], show="moment")
+            supported.reactions.plot(row[-2], show="force")
+            supported.reactions.plot(row[-1], show="moment")
             for panel in row[-2:]:
                 write_title(panel, f"Reactions, {name} ends")
     return path

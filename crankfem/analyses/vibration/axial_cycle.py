@@ -79,9 +79,9 @@ class AxialForces(Result):
     @cached_property
     def sentences(self) -> Part[tuple[str, ...]]:
         """What the thrust bearing carries, and held ends would."""
-        told, forces, held = [], self.thrust_bearing, self.held
+        sentences, forces, held = [], self.thrust_bearing, self.held
         if forces is not None:
-            told.append(
+            sentences.append(
                 wording.force_on_thrust_bearing(
                     self.speed, forces.lowest, forces.highest, self.mean_left_out
                 )
@@ -89,8 +89,8 @@ class AxialForces(Result):
         models = {"chain": self.running, "whole crankshaft": self.running_whole}
         largest = {name: (force.amplitude, force.speed) for name, force in models.items() if force}
         if largest:
-            told.append(wording.largest_thrust(largest))
-        return (*told, wording.force_on_held_ends(self.speed, held.lowest, held.highest))
+            sentences.append(wording.largest_thrust(largest))
+        return (*sentences, wording.force_on_held_ends(self.speed, held.lowest, held.highest))
 
 
 def axial_cycle(chains: EngineChains, harmonics: CylinderHarmonics) -> AxialForceOverCycle:

@@ -231,19 +231,22 @@ def bearing_sweep(
     shafts = (
         []
         if whole is None or not_comparable(engine_file)
-        else [in_bearings(whole.crankshaft.shaft, own.stiffness - held.stiffness) for own in each]
+        else [
+            in_bearings(whole.crankshaft.shaft, held_chain.stiffness - held.stiffness)
+            for held_chain in each
+        ]
     )
     modes = [crankshaft_modes(shaft) for shaft in shafts]
     # Of the nominal stiffness: a mode keeps its number over the range, not its shape.
     firsts = {kind: _own_first(each[nominal].chain(kind)) for kind in KINDS}
     chains = {
-        kind: np.array([_frequency(own.chain(kind), firsts[kind]) for own in each])
+        kind: np.array([_frequency(held_chain.chain(kind), firsts[kind]) for held_chain in each])
         for kind in KINDS
     }
     matched, further = {}, {}
     for kind in KINDS if shafts else ():
-        own = [one.chain(kind) for one in each]
-        matched[kind], further[kind] = _followed(shafts, modes, own, nominal, firsts[kind])
+        same_kind = [held_chain.chain(kind) for held_chain in each]
+        matched[kind], further[kind] = _followed(shafts, modes, same_kind, nominal, firsts[kind])
     verdicts = [
         engine_verdict(engine_file, limit_findings(engine_file, *held_chain.answers))
         if held_chain.answers
@@ -262,7 +265,7 @@ def bearing_sweep(
     return BearingSweep(
         bearings=held,
         assumed=engine_file.bearings is None,
-        stiffness=np.array([own.stiffness for own in each]),
+        stiffness=np.array([held_chain.stiffness for held_chain in each]),
         chains=chains,
         shaft=matched,
         used={name: np.array([c.used for c in checks]) for name, checks in worst.items()},

@@ -168,7 +168,7 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
     engine, limits = engine_file.engine, engine_file.limits or LimitsInput()
     kind: EngineKind = "in line" if engine.bank_angles is None else "V"
     interval = even_firing_interval(engine.firing_angles, engine.strokes)
-    found = limits.limits(
+    named_limits = limits.limits(
         engine.rated_speed,
         strokes=engine.strokes,
         kind=kind,
@@ -177,8 +177,8 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
     )
     remarks = []
     if engine.driven_by:
-        _refuse_without_limit(engine_file, found)
-    elif "crankshaft_stress" not in found:
+        _refuse_without_limit(engine_file, named_limits)
+    elif "crankshaft_stress" not in named_limits:
         tensile, yielding = strengths(engine_file)
         picked = CRANKSHAFT_RULES[rule_of(engine)](
             engine.rated_speed,
@@ -191,11 +191,11 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
             alloy=limits.alloy
             or (limits.tensile_strength is None and tensile > CRANKSHAFT_STRENGTHS[False]),
         )
-        found["crankshaft_stress"] = replace(picked, assumed=True)
+        named_limits["crankshaft_stress"] = replace(picked, assumed=True)
         remarks.append(
             f"torsional stress of the crankshaft: {RULE_PICKED}; {rule_reason(engine_file)}"
         )
-    if not {"axial_amplitude", "axial_force"} & set(found):
+    if not {"axial_amplitude", "axial_force"} & set(named_limits):
         remarks.append(
             "axial vibration is not judged, because no limit is given and no general one is published; the "
             "engine maker can give limits.axial_amplitude or limits.axial_force"
@@ -215,8 +215,10 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
     )
     if limits.passing_while_misfiring:
         basis = "limits.passing_while_misfiring"
-        found = {name: replace(limit, misfiring_basis=basis) for name, limit in found.items()}
-    return found, tuple(remarks)
+        named_limits = {
+            name: replace(limit, misfiring_basis=basis) for name, limit in named_limits.items()
+        }
+    return named_limits, tuple(remarks)
 
 
 def _refuse_without_limit(engine_file: EngineFile, limits: Collection[str]) -> None:
@@ -251,17 +253,17 @@ def unmodeled_plant(engine_file: EngineFile) -> tuple[str, ...]:
     """Say what of a plant that the file names is left out: the other machine, or an engine's forces."""
     driver = engine_file.engine.driven_by
     other, section = (driver, "driver") if driver else (_driven(engine_file), "driven")
-    told = []
+    left_out = []
     if driver == "engine":
-        told.append(
+        left_out.append(
             "The forces of the engine that drives this machine are not part of the calculation."
         )
     if other is not None and engine_file.behind_coupling is None and not engine_file.shaft_lines:
-        told.append(
+        left_out.append(
             f"The {other} and its shafts are not modeled (no [{section}], no [shaft_line]): the verdict "
             f"holds for the {'machine' if driver else 'engine'} with its flywheel alone, not for the plant."
         )
-    return tuple(told)
+    return tuple(left_out)
 
 
 def _driven(engine_file: EngineFile) -> str | None:

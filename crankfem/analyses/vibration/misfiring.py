@@ -216,16 +216,16 @@ class FiringCheck(Result):
 
     def row(self) -> Row:
         """Return the columns of a table, each value with its unit; see `table_of`."""
-        found: Row = {"quantity": (self.quantity, ""), "unit": (self.unit, "")}
-        for name, one in (("normal", self.normal), ("misfiring", self.misfiring)):
-            found |= {
-                f"{name}_place": (one.place, ""),
-                f"{name}_speed": (one.speed, "rad/s"),
-                f"{name}_value": (one.value, "SI, see the column unit"),
-                f"{name}_permitted": (one.permitted, "SI, see the column unit"),
-                f"{name}_used": (one.used, "1"),
+        cells: Row = {"quantity": (self.quantity, ""), "unit": (self.unit, "")}
+        for name, reached in (("normal", self.normal), ("misfiring", self.misfiring)):
+            cells |= {
+                f"{name}_place": (reached.place, ""),
+                f"{name}_speed": (reached.speed, "rad/s"),
+                f"{name}_value": (reached.value, "SI, see the column unit"),
+                f"{name}_permitted": (reached.permitted, "SI, see the column unit"),
+                f"{name}_used": (reached.used, "1"),
             }
-        return found | {"cylinders": (wording.cylinders_named(self.cylinders), "")}
+        return cells | {"cylinders": (wording.cylinders_named(self.cylinders), "")}
 
 
 def permitted_at(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
@@ -442,7 +442,7 @@ class Superposition:
                 continue
             missing = self._missing(forces, case)
             change = self.series(file, *self.chains.answers(missing, propeller=False))
-            yield case, {key: _sum(normal[key], own) for key, own in change.items()}
+            yield case, {key: _sum(normal[key], missed) for key, missed in change.items()}
 
     def forces(self, speeds: FloatArray, case: Cylinders) -> CylinderForces:
         """Return the forces of all cylinders at speeds [rad/s] in a case."""
@@ -484,8 +484,8 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     kept: dict[str, NDArray[np.bool_]] = {}
     alone: dict[str, tuple[Reached, Cylinders]] = {}
     stresses: dict[tuple[str, Cylinders], OrderSeries] = {}
-    for case, found in added.at(speeds, [(), *cases]):
-        for key, series in found.items():
+    for case, case_series in added.at(speeds, [(), *cases]):
+        for key, series in case_series.items():
             limit = quantities[key].while_firing(case)
             each.setdefault(key, {})[case] = worst_of(series, limit)
             if quantities[key].unit == "Pa":
@@ -549,8 +549,8 @@ def _exceeded(
     """Return at which speeds a limit is exceeded in any of the cases."""
     quantities = compared_quantities(added.chains.engine_file)
     above = np.zeros(speeds.shape, dtype=bool)
-    for case, found in added.at(speeds, cases):
-        for key, series in found.items():
+    for case, case_series in added.at(speeds, cases):
+        for key, series in case_series.items():
             limit = quantities[key].while_firing(case)
             if limit is not None:
                 above = speeds_above(series, weights(limit, speeds), above)
@@ -666,8 +666,8 @@ def _joined(ranges: Iterable[tuple[float, float]]) -> tuple[tuple[float, float],
 def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
     """Find the worst speeds of all cases, with normal firing, between their neighbors."""
     quantities = compared_quantities(added.chains.engine_file)
-    for case in dict.fromkeys(case for own in each.values() for case in own):
-        best = {key: own[case] for key, own in each.items()}
+    for case in dict.fromkeys(case for by_case in each.values() for case in by_case):
+        best = {key: by_case[case] for key, by_case in each.items()}
         limits = {key: quantities[key].while_firing(case) for key in best}
 
         def used(
@@ -676,19 +676,21 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
             best: Mapping[str, Reached] = best,
             limits: Mapping[str, VibrationLimit | None] = limits,
         ) -> FloatArray:
-            ((_, found),) = added.at(some, [case])
+            ((_, case_series),) = added.at(some, [case])
             rows = []
             for key, reached in best.items():
-                own = at_place(found[key], reached.place).synthesis.amplitude[:, 0]
-                rows.append(np.where(np.isfinite(own), own * weights(limits[key], some), 0.0))
+                amplitudes = at_place(case_series[key], reached.place).synthesis.amplitude[:, 0]
+                rows.append(
+                    np.where(np.isfinite(amplitudes), amplitudes * weights(limits[key], some), 0.0)
+                )
             return np.array(rows)
 
         tops = np.searchsorted(speeds, [reached.speed for reached in best.values()])
         near = np.unique(np.clip([tops - 1, tops, tops + 1], 0, speeds.size - 1))
         closer = np.union1d(refined_maxima(used, speeds[near]), speeds[tops])
-        ((_, found),) = added.at(closer, [case])
+        ((_, case_series),) = added.at(closer, [case])
         for key, limit in limits.items():
-            each[key][case] = worst_of(found[key], limit)
+            each[key][case] = worst_of(case_series[key], limit)
 
 
 def _sum(order_series: OrderSeries, other: OrderSeries) -> OrderSeries:

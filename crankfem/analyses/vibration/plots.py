@@ -54,14 +54,14 @@ def plot_shaft_modes(
     with figure(path, columns, width=2.6 * columns, height=0.5 + 3.1 * rows, rows=rows) as axes:
         for spare in axes.flat[len(shown) :]:
             spare.remove()
-        for one, mode in zip(axes.flat, shown, strict=False):
-            draw_diagram(one, shaft_shape(places, modes.motions[order, :, mode], radius))
-            one.set_ylabel("")
-            one.set_title(
+        for panel, mode in zip(axes.flat, shown, strict=False):
+            draw_diagram(panel, shaft_shape(places, modes.motions[order, :, mode], radius))
+            panel.set_ylabel("")
+            panel.set_title(
                 f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
                 fontsize=9,
             )
-            _pad_title(one, modes.label(mode))
+            _pad_title(panel, modes.label(mode))
         for left in axes[:, 0]:
             left.set_ylabel("relative displacement")
         first = axes[0, 0]
@@ -81,7 +81,7 @@ def plot_response_campbell(
     frequencies: ArrayLike,
     orders: ArrayLike,
     speed_range: tuple[float, float],
-    found: Sequence[Meeting],
+    meetings: Sequence[Meeting],
     *,
     title: str = "",
 ) -> None:
@@ -97,7 +97,7 @@ def plot_response_campbell(
         In cycles per crankshaft revolution.
     speed_range : tuple of two floats
         Running range [rad/s].
-    found : sequence of Meeting
+    meetings : sequence of Meeting
         For example `Resonance`; dots grow with their severity.
 
     Raises
@@ -107,7 +107,7 @@ def plot_response_campbell(
     """
     natural, lines = finite_array("frequencies", frequencies), finite_array("orders", orders)
     with figure(path, height=4.8) as axes:
-        draw_campbell(axes, natural, lines, speed_range, found)
+        draw_campbell(axes, natural, lines, speed_range, meetings)
         add_title(axes, title)
 
 

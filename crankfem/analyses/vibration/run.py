@@ -440,8 +440,8 @@ def engine_vibration(
 
 def _check_same_engine(engine: EngineFile, analyses: Mapping[str, ThrowAnalysis] | None) -> None:
     """Refuse analyses of another engine, or of an earlier state of this one."""
-    for name, own in (analyses or {}).items():
-        if (own.throw, own.material) != (engine.named_throws[name], engine.material):
+    for name, analysis in (analyses or {}).items():
+        if (analysis.throw, analysis.material) != (engine.named_throws[name], engine.material):
             throw = f"named_throws[{name!r}]" if engine.throws_by_name else "throw"
             raise InputError(
                 "analysis: given that of another throw or material; allowed is that of the engine's own, by "

@@ -404,7 +404,7 @@ def _show_varied(
     stopped = False
     try:
         with console.RunProgress(out.quiet) as progress:
-            best = best_throw(read, ranges, minimize, wanted, margins=margins, told=progress.step)
+            best = best_throw(read, ranges, minimize, wanted, margins=margins, step=progress.step)
             progress.finish()
     except SearchInterrupted as interrupt:
         if interrupt.best is None:

@@ -524,8 +524,8 @@ def _spring(
 ) -> _Row:
     field = f"chain.elements[{number}].stiffness"
     where = f"chain.elements[{number}]"
-    given = in_si(element, where, "stiffness", base)
-    if given is None:
+    given_stiffness = in_si(element, where, "stiffness", base)
+    if given_stiffness is None:
         raise InputError(
             f"{field}: given neither it nor shape; allowed is one of the two, because both define the "
             "stiffness of the element."
@@ -534,7 +534,7 @@ def _spring(
         _link_error(number, element, name, "stiffness")
     stiffness = positive_number(
         field,
-        given,
+        given_stiffness,
         UNITS[section.kind]["stiffness"],
         "a spring without stiffness cuts the chain in two",
     )

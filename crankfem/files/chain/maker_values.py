@@ -66,14 +66,14 @@ def in_si(part: InputModel, where: str, field: str, base: PerUnitBase | None) ->
         What messages call the part, such as ``chain.nodes[0]``.
     field : {"inertia", "mass", "stiffness", "loss_factor"}
     """
-    values, given = getattr(part, field), field
+    values, taken_from = getattr(part, field), field
     for name, form in FORMS.items():
         other = getattr(part, name, None)
         if form.stands_for != field or other is None:
             continue
         if values:
             raise InputError(
-                f"{where}.{name}: given together with {given}; allowed is one of the two, because both "
+                f"{where}.{name}: given together with {taken_from}; allowed is one of the two, because both "
                 f"are the {field} in another form."
             )
         if form.per_unit and base is None:
@@ -91,7 +91,7 @@ def in_si(part: InputModel, where: str, field: str, base: PerUnitBase | None) ->
             )
         values = tuple(form.in_si(size, base) for size in listed)
         values = values if many else values[0]
-        given = name
+        taken_from = name
     return values
 
 
@@ -101,8 +101,8 @@ def at_own_speeds(chain: Chain, reference: str, section: Any) -> dict[str, Any]:
     Energy is the same at both: what turns r times as fast has 1/r^2 of the referred value.
     """
     check_choice("chain.referred_to", reference, chain.names, "these are the nodes")
-    own = section.dashpots or any(e.shape or e.variation for e in section.elements)
-    if own or any(node.variation for node in section.nodes):
+    own_speeds_only = section.dashpots or any(e.shape or e.variation for e in section.elements)
+    if own_speeds_only or any(node.variation for node in section.nodes):
         raise InputError(
             f"chain.referred_to: given {reference!r} with a shape, a variation or [[chain.dashpots]]; "
             "allowed is it without, because these are known at their own speeds."
@@ -146,11 +146,11 @@ def as_printed(chain: Chain, values: dict[str, Any], units: dict[str, str]) -> t
     for name, part, place in rows:
         columns = []
         for field in kept:
-            if (given := part.get(field)) is None:
+            if (printed := part.get(field)) is None:
                 continue
-            listed = isinstance(given, list)
-            if not listed or place < len(given):
-                columns.append(f"{field} {given[place] if listed else given}")
+            listed = isinstance(printed, list)
+            if not listed or place < len(printed):
+                columns.append(f"{field} {printed[place] if listed else printed}")
         if columns:
             lines.append(f"as printed: {name}: {', '.join(columns)}")
     inertia, stiffness = (units[field] for field in ("inertia", "stiffness"))

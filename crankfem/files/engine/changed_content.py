@@ -98,12 +98,12 @@ class _Changes:
         self, table: Mapping[str, Any], before: InputModel | None, after: InputModel, path: str
     ) -> Table:
         """Return the table of a record: what is unchanged stands as it is."""
-        given = [
+        names = [
             name
             for name in type(after).model_fields
             if name in after.model_fields_set and getattr(after, name) is not None
         ]
-        ordered = sorted(given, key=lambda name: [*table, name].index(name))
+        ordered = sorted(names, key=lambda name: [*table, name].index(name))
         return {name: self._field(table, before, after, path, name) for name in ordered}
 
     def _field(

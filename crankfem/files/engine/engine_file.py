@@ -147,14 +147,14 @@ def check_driven(file: "EngineFile") -> None:
             "discharge_pressure, clearance and exponent, or pressure_table, because nothing burns in it."
         )
     varies = file.load is not None and file.load.law != "constant"
-    for name, given, reason in (
+    for name, value, reason in (
         ("load", varies, "its pressures are those of [gas]"),
         ("driven", file.driven, "what is behind its coupling drives it: [driver]"),
         ("misfire", file.misfire, "nothing fires"),
         ("propeller_forces", file.propeller_forces, "it drives none"),
         ("strength", file.strength, "UR M53 is a rule for engines"),
     ):
-        if given:
+        if value:
             raise InputError(
                 f"{name}: given together with engine.driven_by; allowed is none, because {reason}."
             )
@@ -303,13 +303,13 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         InputError
             If this is a mechanism alone.
         """
-        given = getattr(self, section.section)
-        if not isinstance(given, section):
+        part = getattr(self, section.section)
+        if not isinstance(part, section):
             raise InputError(
                 f"{self.path.name}: given without the section [{section.section}]; allowed is a whole "
                 "engine, as load_engine reads it, because not only its mechanism is calculated."
             )
-        return given
+        return part
 
     def once(self, calculate: Callable[["EngineFile"], Calculated]) -> Calculated:
         """Return what a function calculates from the file; it is calculated once."""

@@ -220,9 +220,11 @@ def _rod(section: Rod | HingedRods) -> ConnectingRod:
     inertia = known_inertia(section) or section.mass * distance * (section.length - distance)
     offset = section.center_offset if isinstance(section, Rod) else 0.0
     swung = section.inertia is None
-    given = "swing_period: given with swing_distance" if swung else "inertia: given"
+    inertia_origin = "swing_period: given with swing_distance" if swung else "inertia: given"
     before = f"{section.section}."
-    return ConnectingRod(section.length, section.mass, distance, inertia, offset, before, given)
+    return ConnectingRod(
+        section.length, section.mass, distance, inertia, offset, before, inertia_origin
+    )
 
 
 def _positions(

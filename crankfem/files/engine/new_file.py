@@ -148,11 +148,11 @@ def engine_template(
 def template_throw(text: str) -> CrankThrow:
     """Return the throw of a template, with the optional dimensions that stand in its comments."""
     values = tomllib.loads(re.sub("(?m)^#: ", "", text))["throw"]
-    given = {
+    dimensions = {
         name: entry.get("value", entry) if isinstance(entry, dict) else entry
         for name, entry in values.items()
     }
-    return CrankThrow.from_text(given, "throw")
+    return CrankThrow.from_text(dimensions, "throw")
 
 
 def even_v_angle_deg(cylinders: int, strokes: int) -> float:

@@ -203,7 +203,10 @@ def _without_effect(
     content: TomlFile, command: str, used: tuple[str, ...], without: tuple[str, ...]
 ) -> Iterator[str]:
     """Sections and fields that others of the file leave without effect."""
-    sections, fields = content.sections, {name: set(one) for name, one in content.sections.items()}
+    sections, fields = (
+        content.sections,
+        {name: set(section) for name, section in content.sections.items()},
+    )
     limits, line = fields.get("limits", set()), fields.get("shaft_line", set())
     if WHOLE[0] in without and "plant" in line:
         yield from ROTATING  # which the plant's chain has; only the whole crankshaft takes them

@@ -87,8 +87,8 @@ class EngineScale:
     def frequency(self) -> float:
         """First natural frequency of the shaft in torsion, held at the flywheel [rad/s]."""
         throws = len(self.file.crank_throws)
-        one = math.sqrt(self.throw_stiffness * throws / self.crank_inertia)
-        return 2.0 * one * math.sin(0.5 * math.pi / (2 * throws + 1))
+        throw_frequency = math.sqrt(self.throw_stiffness * throws / self.crank_inertia)
+        return 2.0 * throw_frequency * math.sin(0.5 * math.pi / (2 * throws + 1))
 
     @cached_property
     def rated(self) -> float:

@@ -304,11 +304,11 @@ def _gas_exchange(file: EngineFile, power: EnginePower) -> Iterator[str]:
     parts = [("gas.", *full)] + [
         (
             f"load.points[{place}].",
-            one.intake_pressure,
-            one.mean_effective_pressure,
-            one.peak_pressure,
+            point.intake_pressure,
+            point.mean_effective_pressure,
+            point.peak_pressure,
         )
-        for place, one in enumerate(points)
+        for place, point in enumerate(points)
     ]
     for part, pressure, mean, peak in parts:
         if pressure is None:

@@ -83,7 +83,9 @@ def _torque_warnings(table: TorqueTable, scale: EngineScale) -> Iterator[str]:
         yield sentence + ("; perhaps sign or order of the samples" if mean * usual < 0.0 else "")
     if pressure and len(layout.cylinders) == len(scale.file.crank_throws):
         torque = cylinder_torque(scale, layout, pressure[0], table.torque.size)
-        along, against = (_likeness(torque, one) for one in (table.torque, table.torque[::-1]))
+        along, against = (
+            _likeness(torque, samples) for samples in (table.torque, table.torque[::-1])
+        )
         if against > along:
             yield (
                 f"{field}: in the order given its samples correlate by {along:.2g} with the torque of a "
@@ -108,6 +110,6 @@ def cylinder_torque(
 
 def _likeness(first: FloatArray, second: FloatArray) -> float:
     """Return the largest correlation of two series over a cycle, wherever either begins."""
-    parts = [np.fft.rfft(one - one.mean()) for one in (first, second)]
+    parts = [np.fft.rfft(series - series.mean()) for series in (first, second)]
     shifted = np.fft.irfft(parts[0] * np.conj(parts[1]), n=first.size)
     return float(shifted.max() / first.size / (first.std() * second.std() + 1e-300))

@@ -117,7 +117,7 @@ class InputFiles:
     sent: Mapping[str, bytes] | None = None
 
     @property
-    def own(self) -> InputFile:
+    def main(self) -> InputFile:
         """The input file itself."""
         return InputFile(self.path, None if self.sent is None else self.sent[str(self.path)])
 

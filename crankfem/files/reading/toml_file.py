@@ -428,10 +428,10 @@ class TomlFile:
     def _with_line(self, sentence: str) -> str:
         """Add to a sentence about a field in which line of the file it is."""
         place = place_of(self.text, sentence.partition(":")[0])
-        told = f" ({self.path.name}, {place})."
-        if place is None or sentence.endswith(told):
+        position = f" ({self.path.name}, {place})."
+        if place is None or sentence.endswith(position):
             return sentence
-        return sentence.removesuffix(".") + told
+        return sentence.removesuffix(".") + position
 
     def required(self, section: str, kind: type[Model]) -> Model:
         """Validate one required section."""
@@ -494,7 +494,7 @@ def read_toml(file: Path | InputFiles) -> TomlFile:
         )
     known = FILES_READ.get() if files.sent is None else None
     if known is None or path.absolute() not in known:
-        text = files.own.text(LARGEST_TEXT_FILE, "a file of dimensions", "a TOML file")
+        text = files.main.text(LARGEST_TEXT_FILE, "a file of dimensions", "a TOML file")
         check_keys(path.name, text)
         try:
             content = tomllib.loads(text)

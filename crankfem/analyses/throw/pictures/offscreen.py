@@ -78,22 +78,22 @@ class OffscreenProcess:
         self._process.end()
 
 
-def render_failure(reason: str, said: str = "") -> MissingLibraryError | RenderError:
+def render_failure(reason: str, output: str = "") -> MissingLibraryError | RenderError:
     """Return the error with the reason why there are no pictures.
 
     Parameters
     ----------
     reason : str
         End of the process, or the error of its function.
-    said : str
+    output : str
         What it wrote to standard error.
     """
-    missing = NO_PACKAGE.findall(f"{said}\n{reason}")
-    if NO_OPENGL.search(said):
+    missing = NO_PACKAGE.findall(f"{output}\n{reason}")
+    if NO_OPENGL.search(output):
         return MissingLibraryError(ADVICE)
     if missing:
         return MissingLibraryError(f"{UNRENDERED}: {missing[-1]}")
     # An exception's last line says what happened.
-    last = next((line.strip() for line in reversed(said.splitlines()) if line.strip()), "")
+    last = next((line.strip() for line in reversed(output.splitlines()) if line.strip()), "")
     saying = f", saying: {last.rstrip('.')}" if last else ""
     return RenderError(f"{UNRENDERED}: {reason}{saying}.")
