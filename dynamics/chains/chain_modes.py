@@ -1,5 +1,6 @@
 """Natural frequencies and modes of a chain, accurate in every digit, and their energy shares."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -11,7 +12,7 @@ from crankbase.diagrams import new_axes, write_title
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.summaries import summarized
 from dynamics.plots.curves import name_axis
-from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
+from dynamics.plots.mode_shapes import ChainShapes, draw_chain_shapes
 
 # A displacement below this share of both next to it is zero.
 ZERO_DISPLACEMENT = 1e-11
@@ -90,6 +91,31 @@ class Modes:
         ]
         return (*joined, *(f"{name} - ground" for name in self.node_names))
 
+    def drawn_shapes(
+        self, modes: Iterable[int], names: Sequence[str] = (), *, numbered: bool = False
+    ) -> ChainShapes:
+        """Return the shapes of some elastic modes as drawn, labeled with frequency and number of nodes.
+
+        Parameters
+        ----------
+        modes : iterable of int
+            Numbers from 0; those that the chain does not have are left out.
+        names : sequence of n str, optional
+            What nodes are called in place of their names.
+        numbered : bool, optional
+            Whether each label begins with the number of the elastic mode, from 1.
+        """
+        shown = [mode for mode in modes if mode < len(self.frequencies)]
+        still = [self.node_positions[mode] for mode in shown]
+        labels = []
+        for mode, positions in zip(shown, still, strict=True):
+            number = f"mode {mode - self.rigid + 1}: " if numbered else ""
+            nodes = f"{len(positions)} node{'s' if len(positions) != 1 else ''}"
+            labels.append(f"{number}{self.frequencies[mode]:.1f} Hz, {nodes}")
+        return ChainShapes(
+            self.shapes[:, shown], labels, still, self.connections, names or self.node_names
+        )
+
     def plot(self, axes: Axes | None = None, *, count: int = 3) -> Axes:
         """Draw the shapes of the first elastic modes over the nodes.
 
@@ -99,17 +125,8 @@ class Modes:
             Lines join nodes connected by an element; a cross marks a node of vibration.
         """
         most = whole_number("count", count, 1, "a diagram shows some modes")
-        shown = slice(self.rigid, self.rigid + most)
-        still = self.node_positions[shown]
         axes = new_axes(axes, height=3.4)
-        draw_chain_shapes(
-            axes,
-            self.shapes[:, shown],
-            shape_labels(self.frequencies[shown], still),
-            still,
-            self.connections,
-            self.node_names,
-        )
+        draw_chain_shapes(axes, self.drawn_shapes(range(self.rigid, self.rigid + most)))
         write_title(axes, "Mode shapes")
         return axes
 

@@ -405,13 +405,31 @@ def outside_bands(speeds: FloatArray, running: tuple[float, float] | None) -> tu
     )
 
 
+class OrdersOverSpeed(NamedTuple):
+    """Amplitudes of one location over the speed.
+
+    Attributes
+    ----------
+    speeds : ndarray of shape (S,)
+        [rad/s]
+    orders : ndarray of shape (K,)
+    by_order : ndarray of shape (K, S)
+        Amplitudes in SI; inf where unbounded.
+    total, plain : ndarray of shape (S,)
+        Of all orders together, and the sum of their amplitudes, in SI.
+    unbounded : ndarray of shape (S,), bool
+    """
+
+    speeds: FloatArray
+    orders: FloatArray
+    by_order: FloatArray
+    total: FloatArray
+    plain: FloatArray
+    unbounded: NDArray[np.bool_]
+
+
 def over_speed(
-    speeds: FloatArray,
-    orders: FloatArray,
-    by_order: FloatArray,
-    total: FloatArray,
-    plain: FloatArray,
-    unbounded: NDArray[np.bool_],
+    amplitudes: OrdersOverSpeed,
     quantity: QuantityDisplay,
     *,
     limits: Mapping[str, ArrayLike] | None = None,
@@ -424,14 +442,6 @@ def over_speed(
 
     Parameters
     ----------
-    speeds : ndarray of shape (S,)
-        [rad/s]
-    orders : ndarray of shape (K,)
-    by_order : ndarray of shape (K, S)
-        Amplitudes in SI; inf where unbounded.
-    total, plain : ndarray of shape (S,)
-        Of all orders together, and the sum of their amplitudes, in SI.
-    unbounded : ndarray of shape (S,), bool
     limits, passing : mapping of str to float or array_like of shape (S,), optional
         In SI; inf where none is stated. The latter, for passing a range, are not main curves.
     barred : sequence of pairs of floats, optional
@@ -442,6 +452,7 @@ def over_speed(
         Lowest and highest running speed [rad/s]: speeds outside are shaded, and determine neither the main
         orders nor the height.
     """
+    speeds, orders, by_order, total, plain, unbounded = amplitudes
     inside = np.ones(speeds.shape, dtype=bool) if running is None else within(speeds, *running)
     rpm, factor = speeds * RPM, quantity.factor
     plain_sum = with_gaps(factor * plain)

@@ -1,6 +1,7 @@
 """Mode shapes of a chain over its nodes, and of a whole shaft along it."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,19 +24,10 @@ from crankbase.quantity import format_number
 from dynamics.plots.curves import MILLI
 
 
-def chain_shapes(
-    shapes: FloatArray,
-    labels: Sequence[str],
-    still: Sequence[tuple[float, ...]],
-    pairs: Sequence[tuple[int, int]],
-    names: Sequence[str],
-    motion: str = "displacement",
-    main: int | None = None,
-    ticks: Sequence[str] = (),
-) -> Diagram:
-    """Describe mode shapes of a chain over its nodes, with a cross at each node of vibration.
+class ChainShapes(NamedTuple):
+    """Mode shapes of a chain, as drawn.
 
-    Parameters
+    Attributes
     ----------
     shapes : ndarray of shape (n, m)
         One mode in each column.
@@ -47,6 +39,25 @@ def chain_shapes(
         Nodes that elements join.
     names : sequence of n str
         Of the nodes.
+    """
+
+    shapes: FloatArray
+    labels: Sequence[str]
+    still: Sequence[tuple[float, ...]]
+    pairs: Sequence[tuple[int, int]]
+    names: Sequence[str]
+
+
+def chain_shapes(
+    drawn: ChainShapes,
+    motion: str = "displacement",
+    main: int | None = None,
+    ticks: Sequence[str] = (),
+) -> Diagram:
+    """Describe mode shapes of a chain over its nodes, with a cross at each node of vibration.
+
+    Parameters
+    ----------
     motion : str, optional
         "twist" or "displacement".
     main : int, optional
@@ -54,6 +65,7 @@ def chain_shapes(
     ticks : sequence of n str, optional
         Names under the axis; by default those of the nodes.
     """
+    shapes, labels, still, pairs, names = drawn
     places = chain_places(len(names), pairs)
     lines, dots = [], []
     for shown, (label, positions) in enumerate(zip(labels, still, strict=True)):
@@ -82,44 +94,10 @@ def chain_shapes(
     )
 
 
-def draw_chain_shapes(
-    axes: Axes,
-    shapes: FloatArray,
-    labels: Sequence[str],
-    still: Sequence[tuple[float, ...]],
-    pairs: Sequence[tuple[int, int]],
-    names: Sequence[str],
-    motion: str = "displacement",
-) -> None:
+def draw_chain_shapes(axes: Axes, drawn: ChainShapes, motion: str = "displacement") -> None:
     """Draw `chain_shapes` on axes, with their legend."""
-    draw_diagram(axes, chain_shapes(shapes, labels, still, pairs, names, motion))
+    draw_diagram(axes, chain_shapes(drawn, motion))
     legend_above(axes)
-
-
-def shape_labels(
-    frequencies: FloatArray, still: Sequence[tuple[float, ...]], numbered: bool = False
-) -> list[str]:
-    """Return the frequency of elastic modes and their number of nodes, for a legend.
-
-    Parameters
-    ----------
-    frequencies : ndarray of shape (m,)
-        From the first elastic mode on [Hz].
-    still : sequence of m tuples of float
-        Nodes of vibration, as in `Modes.node_positions`.
-    numbered : bool, optional
-        Whether each begins with its number.
-
-    Examples
-    --------
-    >>> shape_labels(np.array([21.0, 54.32]), [(0.5,), (0.2, 1.4)], numbered=True)
-    ['mode 1: 21.0 Hz, 1 node', 'mode 2: 54.3 Hz, 2 nodes']
-    """
-    labels = []
-    for number, (frequency, positions) in enumerate(zip(frequencies, still, strict=True), start=1):
-        nodes = f"{len(positions)} node{'s' if len(positions) != 1 else ''}"
-        labels.append((f"mode {number}: " if numbered else "") + f"{frequency:.1f} Hz, {nodes}")
-    return labels
 
 
 def shaft_shape(positions: FloatArray, motion: FloatArray, radius: float) -> Diagram:

@@ -25,6 +25,7 @@ from dynamics.indices import index_of_name
 from dynamics.plots.curves import (
     LEGEND_COLUMNS,
     MAIN_ORDERS,
+    OrdersOverSpeed,
     Quantity,
     QuantityDisplay,
     infinite_where_unbounded,
@@ -431,22 +432,18 @@ class OrderSeries:
         place: int | str,
         quantity: QuantityDisplay,
         field: str = "place",
-        *,
-        limits: Mapping[str, ArrayLike] | None = None,
-        barred: Sequence[tuple[float, float]] = (),
-        main_orders: int = MAIN_ORDERS,
-        running: tuple[float, float] | None = None,
+        **drawn: Unpack[DrawnBeside],
     ) -> Axes:
         """Draw one location as `plot` does, with its quantity's unit; `field` names the argument."""
         number = index_of_name(
             field, place, self.names, "the series", "one curve is that of one place"
         )
-        stated = checked_limits(limits, len(self.speeds))
+        drawn["limits"] = checked_limits(drawn.get("limits"), len(self.speeds))
         why = "so many orders get a line of their own"
-        count = whole_number("main_orders", main_orders, 0, why)
-        curves = self.over_speed(
-            number, quantity, limits=stated, barred=barred, main_orders=count, running=running
+        drawn["main_orders"] = whole_number(
+            "main_orders", drawn.get("main_orders", MAIN_ORDERS), 0, why
         )
+        curves = self.over_speed(number, quantity, **drawn)
         axes = new_axes(axes, height=4.4)
         draw_diagram(axes, curves)
         legend_below(axes, LEGEND_COLUMNS)
@@ -468,16 +465,15 @@ class OrderSeries:
         why = "one curve is that of one place"
         place = whole_within("place", place, 0, self.amplitude.shape[2] - 1, why)
         both = self.synthesis
-        return over_speed(
+        amplitudes = OrdersOverSpeed(
             self.speeds,
             self.orders,
             self.amplitude[:, :, place],
             both.amplitude[:, place],
             both.plain_sum[:, place],
             both.unbounded,
-            quantity,
-            **more,
         )
+        return over_speed(amplitudes, quantity, **more)
 
     def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``values`` and ``unbounded`` over order, speed and location.

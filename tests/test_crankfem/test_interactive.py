@@ -50,6 +50,7 @@ from crankfem.report.interactive.vibration import (
     shaft_modes,
 )
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
+from dynamics.chains.chain import Chain
 from dynamics.engine.forces import LoadDiagram
 from dynamics.plots.curves import quantity_display
 from dynamics.plots.load_diagrams import developed_load
@@ -276,15 +277,9 @@ def texts(part):
 
 
 def test_names_are_no_markup(load, studied):
-    chain = SimpleNamespace(connections=((0, 1),))
     shape = SimpleNamespace(
-        modes=SimpleNamespace(
-            rigid=0,
-            frequencies=np.array([10.0]),
-            shapes=np.array([[1.0], [-1.0]]),
-            node_positions=((0.5,),),
-        ),
-        chain=SimpleNamespace(chain=chain, nodes=(SHARP_NAME, "flywheel"), kind="axial"),
+        modes=Chain([1.0, 1.0], [4e3]).modes(),
+        chain=SimpleNamespace(nodes=(SHARP_NAME, "flywheel"), kind="axial"),
     )
     table, found = studied
     choice = Factor.of_labels("x", ("obround", SHARP_NAME))

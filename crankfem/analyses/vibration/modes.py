@@ -32,7 +32,7 @@ from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FREE_END, EngineChain
 from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
 from dynamics.indices import at_most, within
-from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
+from dynamics.plots.mode_shapes import draw_chain_shapes
 from fem.superelement import ShaftCompliances
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
@@ -97,19 +97,10 @@ class SourceResult:
             If the count is not 1 or more.
         """
         most = whole_number("count", count, 1, "a diagram shows some modes")
-        modes = self.modes
-        shown = slice(modes.rigid, min(modes.rigid + most, len(modes.frequencies)))
-        positions = modes.node_positions[shown]
+        modes, names = self.modes, [short_name(name) for name in self.chain.nodes]
+        drawn = modes.drawn_shapes(range(modes.rigid, modes.rigid + most), names)
         axes = new_axes(axes)
-        draw_chain_shapes(
-            axes,
-            modes.shapes[:, shown],
-            shape_labels(modes.frequencies[shown], positions),
-            positions,
-            self.chain.chain.connections,
-            [short_name(name) for name in self.chain.nodes],
-            MOTION[self.chain.kind].quantity,
-        )
+        draw_chain_shapes(axes, drawn, MOTION[self.chain.kind].quantity)
         return axes
 
 

@@ -31,7 +31,7 @@ from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.critical import engine_orders
 from dynamics.plots.campbell import campbell
 from dynamics.plots.curves import PLAIN_SUM, SPEED_LABEL, Quantity, in_unit, quantity_display
-from dynamics.plots.mode_shapes import chain_shapes, shaft_shape, shape_labels
+from dynamics.plots.mode_shapes import chain_shapes, shaft_shape
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
 from dynamics.wording import cylinders_named, limit_at
@@ -43,15 +43,10 @@ SHAPES_SHOWN, SHAPES = 3, 8
 def mode_shapes(result: SourceResult, title: str) -> Figure:
     """Draw the first elastic mode shapes of a chain."""
     modes = result.modes
-    shown = slice(modes.rigid, modes.rigid + SHAPES)
-    still = modes.node_positions[shown]
+    shown = range(modes.rigid, modes.rigid + SHAPES)
     return diagram_figure(
         chain_shapes(
-            modes.shapes[:, shown],
-            shape_labels(modes.frequencies[shown], still, numbered=True),
-            still,
-            result.chain.chain.connections,
-            result.chain.nodes,
+            modes.drawn_shapes(shown, result.chain.nodes, numbered=True),
             MOTION[result.chain.kind].quantity,
             SHAPES_SHOWN,
             [short_name(name) for name in result.chain.nodes],

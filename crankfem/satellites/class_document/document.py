@@ -34,7 +34,7 @@ from crankfem.satellites.class_document.tables import mode_stars, shown_modes
 from dynamics.assessment.verdict import Verdict
 from dynamics.plots.curves import quantity_display
 from dynamics.plots.harmonics import draw_star, finish_stars
-from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
+from dynamics.plots.mode_shapes import draw_chain_shapes
 from dynamics.torque import same_stars
 
 # Stars in a row of a picture, and mode shapes in one picture.
@@ -49,24 +49,11 @@ FAILING_COLORS = {MISFIRING: ORANGE, CUT_OUT: GREEN}
 def draw_modes(path: Path, run: EngineVibration, first: int) -> None:
     """Draw the shapes of some of the modes shown, from index `first` on."""
     result = run.torsional.chosen
-    modes, chain = result.modes, result.chain.chain
-    shown = list(shown_modes(run)[first : first + SHAPES])
-    still = [modes.node_positions[mode] for mode in shown]
+    names = [short_name(name) for name in result.chain.chain.names]
+    shown = shown_modes(run)[first : first + SHAPES]
+    drawn = result.modes.drawn_shapes(shown, names, numbered=True)
     with figure(path, height=3.6) as axes:
-        draw_chain_shapes(
-            axes,
-            modes.shapes[:, shown],
-            [
-                f"mode {mode - modes.rigid + 1}: {label}"
-                for mode, label in zip(
-                    shown, shape_labels(modes.frequencies[shown], still), strict=True
-                )
-            ],
-            still,
-            chain.connections,
-            [short_name(name) for name in chain.names],
-            MOTION["torsional"].quantity,
-        )
+        draw_chain_shapes(axes, drawn, MOTION["torsional"].quantity)
 
 
 def star_rows(run: EngineVibration, mode: int) -> tuple[int, int]:
