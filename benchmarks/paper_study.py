@@ -16,7 +16,8 @@ from crankbase.outputs import replacing_files
 from crankfem.analyses.study.fit_plots import plot_parity, plot_response
 from crankfem.analyses.study.response_fits import fit_study
 from geometry.throw import CrankThrow
-from regression.fits.fits import Fit, fit_form
+from regression.fits.fit import Fit
+from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS
 from regression.fits.selection import choose
 from regression.plans.factors import Factor

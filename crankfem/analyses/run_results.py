@@ -317,7 +317,7 @@ def _fillet_checks(fillets: StressResults | None) -> list[Check]:
 
 def _study_checks(study: FittedStudy | None) -> list[Check]:
     chosen = {
-        name.removesuffix("_compliance"): fits.selected().errors
+        name.removesuffix("_compliance"): fits.selected()
         for name, fits in ({} if study is None else study.fits).items()
         if name in (AXIAL, TORSIONAL)
     }

@@ -3,7 +3,7 @@
 from crankfem.analyses.study.response_fits import ResponseFits as ResponseFits
 from crankfem.analyses.throw_optimum import SearchInterrupted as SearchInterrupted
 from crankfem.analyses.throw_optimum import best_throw as best_throw
-from regression.fits.fits import Fit as Fit
+from regression.fits.fit import Fit as Fit
 from regression.models.lookup import Lookups as Lookups
 from regression.models.lookup import ReactionLookup as ReactionLookup
 from regression.optimum import Limit as Limit

@@ -7,17 +7,13 @@ between its levels either. A fit is therefore assessed by held-out designs sprea
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.diagrams import new_axes
 from crankbase.errors import InputError
-from crankbase.frames import table
-from crankbase.quantity import percent
-from crankbase.results import Internal, result
-from regression.fits.equation_text import term_effects
+from regression.fits.fit import Fit, names_of_terms
 from regression.fits.forms import (
     FORMS,
     GAUSSIAN_PROCESS,
@@ -32,7 +28,6 @@ from regression.fits.forms import (
     group_named,
     is_indicator,
     polynomial_terms,
-    term_name,
 )
 from regression.fits.gaussian_process import (
     NORMAL,
@@ -52,8 +47,6 @@ from regression.fits.run_slopes import (
     rows_by_run,
 )
 from regression.fits.selection import (
-    FitErrors,
-    LeastSquares,
     adjusted,
     backward,
     coefficient_of_determination,
@@ -61,10 +54,9 @@ from regression.fits.selection import (
     left_out_predictions,
     tolerance_limit,
 )
-from regression.plots import draw_effects
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    pass
 
 
 Array = NDArray[np.float64]
@@ -86,143 +78,6 @@ def _check_responses(name: str, values: Array, form: Form) -> None:
 
 # Numbers that the selections without each run hold at a time; more take minutes for a study.
 LARGEST_SELECTION = 3_000_000
-
-
-@result(
-    "form",
-    "coefficient_count",
-    "largest_error",
-    "largest_heldout_error",
-    "q_squared",
-    "runs",
-    "heldout_runs",
-)
-class Fit(FitErrors):
-    """A fitted form with its equation.
-
-    Attributes
-    ----------
-    fitted : FittedForm
-        The equation.
-    statistics : LeastSquares
-        Of the polynomial in coded variables; in a form in logarithms of the response, of its
-        logarithm. None of a Gaussian process.
-    runs, heldout_runs : int
-        Numbers of runs fitted and held out.
-    lowest, highest : tuple of float
-        Of each column at the runs.
-    """
-
-    fitted: Internal[FittedForm]
-    statistics: Internal[LeastSquares | None]
-    runs: Internal[int]
-    heldout_runs: Internal[int]
-    lowest: Internal[tuple[float, ...]]
-    highest: Internal[tuple[float, ...]]
-
-    def __repr__(self) -> str:
-        """Summarize the fit in a line; coefficients and statistics would fill screens."""
-        heldout = self.largest_heldout_error
-        judged = (
-            "" if heldout is None else f", {percent(heldout, 3)} % at {self.heldout_runs} held out"
-        )
-        return (
-            f"Fit({self.form} of {', '.join(self.factors)}: {self.coefficient_count} coefficients, largest "
-            f"error {percent(self.largest_error, 3)} % at {self.runs} runs{judged})"
-        )
-
-    @property
-    def factors(self) -> tuple[str, ...]:
-        """Names of the columns."""
-        return self.fitted.factors
-
-    @property
-    def term_names(self) -> tuple[str, ...]:
-        """Names of the terms, such as "web_width^2" or "ln(web_width)"."""
-        return _names(self.fitted.terms, self.factors, self.fitted.log_factors)
-
-    @property
-    def coefficients(self) -> dict[str, float]:
-        """Natural coefficients (SI units) by the name of their term, such as "web_width^2"."""
-        natural = self.fitted.natural_coefficients()
-        names = _names(list(natural), self.factors, self.fitted.log_factors)
-        return dict(zip(names, natural.values(), strict=True))
-
-    @property
-    def coded_coefficients(self) -> dict[str, float]:
-        """Coefficients in the coded variables, -1 ... 1 over the runs, by the name of their term."""
-        return dict(zip(self.term_names, self.fitted.coefficients, strict=True))
-
-    @property
-    def natural_standard_errors(self) -> dict[str, float] | None:
-        """Standard errors of `coefficients`; None without degrees of freedom."""
-        covariance = None if self.statistics is None else self.statistics.covariance
-        if covariance is None:
-            return None
-        terms, change = self.fitted.natural_transformation()
-        errors = np.sqrt(np.einsum("ij,jk,ik->i", change, covariance, change))
-        names = _names(terms, self.factors, self.fitted.log_factors)
-        return dict(zip(names, errors.tolist(), strict=True))
-
-    @property
-    def variance_inflation(self) -> dict[str, float]:
-        """Variance inflation of the coded terms after the constant, by name; none of a Gaussian process."""
-        if self.statistics is None:
-            return {}
-        values = self.statistics.variance_inflation.tolist()
-        return dict(zip(self.term_names[1:], values, strict=True))
-
-    def predict(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Evaluate at points (..., k); see `FittedForm.predict`."""
-        return self.fitted.predict(x)
-
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the coded coefficients in the order of their size (Pareto); the constant is left out.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        """
-        names, values = term_effects(self.fitted)
-        logarithmic = self.fitted.logarithmic
-        label = "coded coefficient of ln y [%]" if logarithmic else "coded coefficient [unit of y]"
-        axes = new_axes(axes)
-        draw_effects(axes, names, values / (0.01 if logarithmic else 1.0), label, self.form)
-        return axes
-
-    def to_pandas(self) -> Any:
-        """Return a table of the terms: natural coefficients, in SI units, and coded ones.
-
-        Returns
-        -------
-        pandas.DataFrame
-            ``term``, ``coefficient``, ``coded_coefficient`` (0 for a term that only the natural
-            equation has) and, with degrees of freedom, ``standard_error`` of the natural one.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        natural, coded = self.coefficients, self.coded_coefficients
-        mixed = "SI, by term"
-        columns: dict[str, tuple[Any, str]] = {
-            "term": (list(natural), ""),
-            "coefficient": (list(natural.values()), mixed),
-            "coded_coefficient": ([coded.get(name, 0.0) for name in natural], "unit of y"),
-        }
-        errors = self.natural_standard_errors
-        if errors is not None:
-            columns["standard_error"] = ([errors[name] for name in natural], mixed)
-        return table(columns)
-
-
-def _names(
-    terms: Sequence[Term], factors: Sequence[str], log_factors: Sequence[bool]
-) -> tuple[str, ...]:
-    names = [f"ln({name})" if log else name for name, log in zip(factors, log_factors, strict=True)]
-    return tuple(term_name(term, names) for term in terms)
 
 
 def fit_form(
@@ -305,7 +160,7 @@ def fit_form(
     matrix = joint_rows(terms, points, coding, slopes)
     dropped: tuple[Term, ...] = ()
     # Solved in full first: that says which term the runs do not determine.
-    solution = least_squares(matrix, target, _names(terms, names, log_factors))
+    solution = least_squares(matrix, target, names_of_terms(terms, names, log_factors))
     groups = rows_by_run(len(values), slopes)
     drop_terms = drop_terms and not kind.process
     small = len(target) ** 2 * len(terms) <= LARGEST_SELECTION
@@ -314,7 +169,7 @@ def fit_form(
         kept, gone = backward(matrix, target, terms)
         dropped, terms = tuple(terms[i] for i in gone), tuple(terms[i] for i in kept)
         matrix = matrix[:, kept]
-        solution = least_squares(matrix, target, _names(terms, names, log_factors))
+        solution = least_squares(matrix, target, names_of_terms(terms, names, log_factors))
     coefficients, process, spread = solution.coefficients, None, [NORMAL]
     if kind.process:
         kriging = likeliest(_rows(points, coding, slopes), target, groups)
@@ -376,8 +231,8 @@ def fit_form(
         heldout_runs=len(heldout) if heldout is not None else 0,
         lowest=tuple(np.min(points, axis=0).tolist()),
         highest=tuple(np.max(points, axis=0).tolist()),
-        undetermined=_names(undetermined, names, log_factors),
-        dropped=_names(dropped, names, log_factors),
+        undetermined=names_of_terms(undetermined, names, log_factors),
+        dropped=names_of_terms(dropped, names, log_factors),
         band_error=max(map(tolerance_limit, unseen), default=None),
         band_designs=sum(map(len, unseen)),
     )

@@ -16,7 +16,7 @@ from regression.fits.gaussian_process import GaussianProcess
 from regression.throw_values import format_value
 
 if TYPE_CHECKING:  # a lookup needs no fits
-    from regression.fits.fits import Fit
+    from regression.fits.fit import Fit
 
 # Between a category's name and its label in the name of a 0/1 column: "web_outline=rectangle".
 IS = "="

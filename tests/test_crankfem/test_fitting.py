@@ -19,7 +19,7 @@ from crankfem.analyses.study.response_fits import (
     response_name,
     surface,
 )
-from crankfem.analyses.study.study_results import FittedStudy, comparison_parts, warnings_of
+from crankfem.analyses.study.study_results import FittedStudy, comparison_parts
 from crankfem.cli.console import print_parts
 from geometry.throw import CrankThrow
 from json_units import numbers_with_units
@@ -328,8 +328,8 @@ def test_record_is_plain_json_with_everything(table, fits):
 
 def test_warnings(fits):
     by_form = {fit.form: fit for fit in fits["axial_compliance"].fits}
-    assert warnings_of(by_form["linear"]) == []
-    told = warnings_of(by_form["log-cubic"])
+    assert by_form["linear"].warnings == ()
+    told = by_form["log-cubic"].warnings
     assert any(text.startswith("Variance inflation above 10 of ln(web_thickness)") for text in told)
 
 

@@ -31,7 +31,7 @@ from crankbase.diagrams import (
 )
 from crankfem.analyses.study.nominal_throw import factor_sweep, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
-from regression.fits.fits import Fit
+from regression.fits.fit import Fit
 from regression.fits.sensitivity import Sensitivities
 from regression.plots import (
     BARS,

@@ -2,6 +2,7 @@
 
 import datetime
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -16,15 +17,13 @@ from crankfem.analyses.study.study_results import (
     LACK_OF_FIT,
     Comparison,
     FactorRange,
-    FittedEquation,
     FittedStudy,
-    ResponseForms,
 )
 from fem.responses import RESPONSES
 from fem.symmetry import SHARED
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
-from regression.fits.fits import Fit
+from regression.fits.fit import Fit
 from regression.fits.forms import constant_groups
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
@@ -103,7 +102,7 @@ def _response_model(fits: ResponseFits, fit: Fit, plan: StudyPlan) -> ResponseMo
         lowest={factor.name: factor.lowest for factor in inside},
         highest={factor.name: factor.highest for factor in inside},
         fe_error=fits.fe_error,
-        equation=fits.equation(fit),
+        equation=fit.equation,
     )
 
 
@@ -145,12 +144,7 @@ def fitted_study(
         value_units=tuple(unit or "1" for unit in units.values()),
         statement=LACK_OF_FIT,
         fits={
-            name: ResponseForms(
-                response,
-                response.chosen.form,
-                tuple(FittedEquation.of(response, fit, units) for fit in response.fits),
-                sensitivities(table, response),
-            )
+            name: replace(response, sensitivities=sensitivities(table, response))
             for name, response in fits.items()
         },
         unfitted={

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from crankfem.analyses.study.response_fits import ResponseFits, predicted, surface
 from geometry.throw import CrankThrow
-from regression.fits.fits import Fit
+from regression.fits.fit import Fit
 from regression.fits.sensitivity import (
     RegionSample,
     Sensitivities,

@@ -14,8 +14,9 @@ from crankbase.errors import InputError
 from crankbase.frames import table as frame
 from crankbase.results import Internal, Number, Quantity, Result, result
 from fem.responses import RESPONSES
-from regression.fits.equation_text import equation_text, term_effects
-from regression.fits.fits import Fit, confirmed_doubts, contradicting_slopes, fit_form
+from regression.fits.equation_text import term_effects
+from regression.fits.fit import Fit
+from regression.fits.fits import confirmed_doubts, contradicting_slopes, fit_form
 from regression.fits.forms import (
     FORMS,
     GAUSSIAN_PROCESS,
@@ -28,6 +29,7 @@ from regression.fits.forms import (
 )
 from regression.fits.run_slopes import RunSlopes
 from regression.fits.selection import choose
+from regression.fits.sensitivity import Sensitivities
 from regression.plans.plan import PlannedStudy, StudyPlan
 from regression.plots import draw_effects
 from regression.records import MEASURED, RUN
@@ -46,9 +48,18 @@ LEAST_WEIGHT = 0.1
 ERRORS = ("r_squared", "q_squared", "largest_error", "largest_heldout_error", "mean_heldout_error")
 
 
-@result("symbol", "unit", "support")
-class FittedResponse(Result):
-    """A response of a study, and how its form was chosen.
+@result(
+    "response",
+    "unit",
+    "support",
+    "chosen.form",
+    "chosen.largest_error",
+    "chosen.largest_heldout_error",
+    "fits",
+    "reason",
+)
+class ResponseFits(Result):
+    """All forms fitted to a response of a study, and how one was chosen by the held-out error.
 
     Attributes
     ----------
@@ -72,6 +83,21 @@ class FittedResponse(Result):
         Number of slopes fitted besides the values.
     left_out_slopes : tuple of str
         Slopes left out, because they contradict the values and the other slopes.
+    chosen_form : str
+    fits : tuple of Fit
+    sensitivities : Sensitivities or None
+        Effects of the factors by the chosen equation, where the study is described.
+    response : str
+        Its name in the model: the support of pinned responses is omitted.
+    encodings : mapping
+        Basis ("factors" or "groups") to the encoding of its columns.
+    reasons : mapping
+        Forms that could not be fitted, to the reason.
+    doubted_slopes : tuple
+        Run and factor, by their places, of the slopes left out.
+    unfitted : mapping
+        Other responses of the study that have no equation, by their name in the table, to the reason;
+        the same for all responses.
     """
 
     column: str
@@ -85,53 +111,28 @@ class FittedResponse(Result):
     fe_scatter: Number
     slopes: Annotated[int, Quantity("1")]
     left_out_slopes: tuple[str, ...]
-
-
-@result(
-    "response",
-    "unit",
-    "support",
-    "chosen.form",
-    "chosen.largest_error",
-    "chosen.largest_heldout_error",
-    "fits",
-    "reason",
-)
-class ResponseFits(FittedResponse):
-    """All forms fitted to one response, and the one chosen by the held-out error.
-
-    Attributes
-    ----------
-    response : str
-        Its name in the model: the support of pinned responses is omitted.
-    fits : tuple of Fit
-    chosen : Fit
-    encodings : mapping
-        Basis ("factors" or "groups") to the encoding of its columns.
-    unfitted : mapping
-        Other responses of the study that have no equation, by their name in the table, to the reason;
-        the same for all responses.
-    reasons : mapping
-        Forms that could not be fitted, to the reason.
-    doubted_slopes : tuple
-        Run and factor, by their places, of the slopes left out.
-    """
-
+    chosen_form: Annotated[str, Quantity(key="chosen")]
+    fits: Annotated[tuple[Fit, ...], Quantity(key="forms")]
     response: Internal[str]
-    fits: Internal[tuple[Fit, ...]]
-    chosen: Internal[Fit]
     encodings: Internal[Mapping[str, Encoding]]
     reasons: Internal[Mapping[str, str]]
     doubted_slopes: Internal[tuple[tuple[int, int], ...]] = ()
     unfitted: Internal[Mapping[str, str]] = field(default_factory=dict)
+    sensitivities: Sensitivities | None = None
+
+    @property
+    def chosen(self) -> Fit:
+        """The fit that was chosen."""
+        return next(fit for fit in self.fits if fit.form == self.chosen_form)
+
+    def selected(self, form: str | None = None) -> Fit:
+        """Return the fit for the model: of the given form or its twin, else the chosen one."""
+        wanted = self.chosen_form if form is None else self.twins.get(form, form)
+        return next(fit for fit in self.fits if fit.form == wanted)
 
     def form_text(self, fit: Fit) -> str:
         """Return the name of a fit's form, marked if it is the chosen one."""
         return f"{fit.form} (chosen)" if fit is self.chosen else fit.form
-
-    def equation(self, fit: Fit) -> str:
-        """Equation of a fit in the units of the field."""
-        return equation_text(fit.fitted, symbol=self.symbol, unit=self.unit, basis=fit.basis)
 
     def fit_named(self, form: str) -> Fit:
         """Return the fit of a form, or of its twin of the same terms.
@@ -227,7 +228,7 @@ class ResponseFits(FittedResponse):
         }
         for name in ERRORS:
             columns[name] = ([getattr(fit, name) for fit in self.fits], "1")
-        columns["equation"] = ([self.equation(fit) for fit in self.fits], "")
+        columns["equation"] = ([fit.equation for fit in self.fits], "")
         return frame(columns)
 
 
@@ -456,7 +457,7 @@ def _fit_response(
         unit=kind.unit,
         support=support,
         fits=tuple(fits),
-        chosen=fits[choice.place],
+        chosen_form=fits[choice.place].form,
         reason=choice.reason,
         skipped=sentences,
         reasons=skipped,
@@ -469,7 +470,9 @@ def _fit_response(
         encodings=dict(encodings),
     )
     named = table.plan.form
-    return fitted if named is None else replace(fitted, chosen=fitted.fit_named(named), reason="")
+    if named is None:
+        return fitted
+    return replace(fitted, chosen_form=fitted.fit_named(named).form, reason="")
 
 
 def _doubted(
@@ -555,7 +558,7 @@ def _fit(
     y, held = table.responses[column], table.held_out
     x = encoding.columns(table.plan.factors, table.values, table.dimensions)
     scale = np.broadcast_to(fit_scale(table.plan, column, form.basis, table.dimensions), y.shape)
-    return fit_form(
+    fit = fit_form(
         form.name,
         encoding.names,
         x[~held],
@@ -567,6 +570,13 @@ def _fit(
         logged=encoding.logged,
         drop_terms=True,
         slopes=slopes,
+    )
+    factor_units = {factor.name: factor.unit for factor in table.plan.factors}
+    return replace(
+        fit,
+        symbol=RESPONSES[column].symbol,
+        unit=RESPONSES[column].unit,
+        column_units=tuple(factor_units.get(name, "") for name in fit.factors),
     )
 
 

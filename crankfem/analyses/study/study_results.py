@@ -1,19 +1,13 @@
 """What a study found: its designs, and every fitted equation with its errors and the effects of factors."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
-from typing import Annotated, Self
-
-import numpy as np
+from typing import Annotated
 
 from crankbase.quantity import format_quantity
-from crankbase.results import Flat, InItsUnit, Quantity, Result, result
+from crankbase.results import InItsUnit, Quantity, Result, result
 from crankbase.table import Column, Main, Table
-from crankfem.analyses.study.response_fits import FittedResponse, ResponseFits
-from regression.fits.equation_text import term_symbols
-from regression.fits.fits import Fit
-from regression.fits.selection import FitErrors
-from regression.fits.sensitivity import Sensitivities
+from crankfem.analyses.study.response_fits import ResponseFits
+from regression.fits.fit import Fit
 from regression.models.response_query import FEWEST
 from regression.plans.plan import ExcludedDesign
 from regression.response_kinds import AXIAL, END_MOMENTS
@@ -23,9 +17,6 @@ LACK_OF_FIT = (
     "Finite-element runs repeat exactly: R2, standard errors, t and F measure the lack of fit of the form, "
     "not random error."
 )
-# Above these a coefficient is poorly told from the others, a run decides nearly alone.
-LARGEST_VIF = 10.0
-LARGEST_LEVERAGE = 0.95
 # Relative errors below this are round-off.
 LEAST_SHOWN = 1e-5
 
@@ -44,227 +35,112 @@ class FactorRange(Result):
     labels: tuple[str, ...]
 
 
-@result("symbols", "coefficient", "t")
-class CodedTerm(Result):
-    """A term in coded variables, -1 to 1 over the runs."""
-
-    term: str
-    symbols: str
-    coefficient: Annotated[float, Quantity(".coded_unit")]
-    standard_error: Annotated[float | None, Quantity(".coded_unit")]
-    t: Figure
-    variance_inflation: Figure
-
-
-@result("errors.form", "equation")
-class FittedEquation(Result):
-    """One form fitted to a response: its equation, its coefficients and its errors."""
-
-    errors: Flat[FitErrors]
-    equation: str
-    coefficients: Annotated[Mapping[str, float], Quantity(".coefficient_units")]
-    standard_errors: Annotated[Mapping[str, float] | None, Quantity(".coefficient_units")]
-    # Of the natural coefficients by term, or one for all; and of the coded ones.
-    coefficient_units: str | Mapping[str, str]
-    coded_unit: str
-    coded: tuple[CodedTerm, ...]
-    f_value: Figure
-    aic: Figure
-    bic: Figure
-    condition_number: Figure
-    largest_variance_inflation: Figure
-    largest_leverage: Figure
-    warnings: tuple[str, ...]
-
-    @classmethod
-    def of(cls, response: ResponseFits, fit: Fit, factor_units: Mapping[str, str]) -> Self:
-        """Describe a fit of a response."""
-        statistics, form = fit.statistics, fit.fitted
-        count, inflation = len(form.terms), fit.variance_inflation
-        known = partial(getattr, statistics)  # None where there are none
-        errors, t_values = (
-            [None] * count if (numbers := known(name, None)) is None else numbers.tolist()
-            for name in ("standard_errors", "t_values")
-        )
-        unit = "1" if form.logarithmic or fit.basis == "groups" else response.unit or "1"
-        columns = [
-            "" if logarithm else factor_units.get(name, "")
-            for name, logarithm in zip(form.factors, form.log_factors, strict=True)
-        ]
-        terms = [
-            " ".join(filter(None, (columns[place] for place in term)))
-            for term in form.natural_transformation()[0]
-        ]
-        coefficients = fit.coefficients
-        by_term = [f"({unit})/({term})" if term else unit for term in terms]
-        return cls(
-            **{name: known(name, None) for name in ("f_value", "aic", "bic", "condition_number")},
-            errors=fit,
-            equation=response.equation(fit),
-            coefficients=coefficients,
-            standard_errors=fit.natural_standard_errors,
-            coefficient_units=dict(zip(coefficients, by_term, strict=True))
-            if any(columns)
-            else unit,
-            coded_unit=unit,
-            coded=tuple(
-                CodedTerm(name, symbols, value, error, t, inflation.get(name))
-                for (name, value), symbols, error, t in zip(
-                    fit.coded_coefficients.items(),
-                    term_symbols(form),
-                    errors,
-                    t_values,
-                    strict=True,
-                )
-            ),
-            largest_variance_inflation=max(inflation.values(), default=None),
-            largest_leverage=None if statistics is None else float(np.max(statistics.leverage)),
-            warnings=tuple(warnings_of(fit)),
-        )
-
-    def parts(self) -> Parts:
-        """Tabulate the coefficients of the equation."""
-        if "[" in self.equation:
-            yield "A condition in square brackets is 1 where it holds, 0 elsewhere."
-        mean = "" if self.condition_number is not None else "the mean of the "
-        yield Table.of_records(
-            f"Coefficients of {mean}{self.errors.form}: coded (-1 ... 1 over the runs), and natural in SI "
-            "units",
-            self.coded,
-            (Column("term", words=True), lambda c: c.symbols),
-            (Column("coded", digits=5), lambda c: c.coefficient),
-            (Column("std. error", digits=2), lambda c: c.standard_error),
-            (Column("t", digits=3), lambda c: c.t),
-            (Column("VIF", digits=3), lambda c: c.variance_inflation),
-            (Column("natural", digits=6), lambda c: self.coefficients[c.term]),
-        )
-        adjusted = self.errors.adjusted_r_squared
-        if self.condition_number is not None:
-            yield (
-                f"Adjusted R2 {'none' if adjusted is None else f'{adjusted:.5f}'}, "
-                f"F {_or_none(self.f_value)}, AIC {_or_none(self.aic, 5)}, BIC {_or_none(self.bic, 5)}, "
-                f"condition number {self.condition_number:.3g}, largest leverage "
-                f"{self.largest_leverage:.2f}."
-            )
-        for title, terms in (
-            ("Dropped, because PRESS does not grow without them", self.errors.dropped),
-            ("Left out, because the runs do not determine them", self.errors.undetermined),
-        ):
-            if terms:
-                yield f"{title}: {', '.join(terms)}."
-        for line in self.warnings:
-            yield Main(f"Warning: {line}")
-
-
-def warnings_of(fit: Fit) -> list[str]:
-    """Remarks on the coefficients of a fit, one sentence each."""
-    warnings = []
-    inflated = [name for name, value in fit.variance_inflation.items() if value > LARGEST_VIF]
-    if inflated:
-        more = len(inflated) - 6
-        listed = ", ".join(inflated[:6]) + (f" and {more} more" if more > 0 else "")
-        warnings.append(
-            f"Variance inflation above {LARGEST_VIF:g} of {listed}: "
-            "these coefficients are correlated, and only their combined effect is meaningful."
-        )
-    leverage = np.array([]) if fit.statistics is None else fit.statistics.leverage
-    high = np.flatnonzero(leverage > LARGEST_LEVERAGE)
-    if high.size:
-        warnings.append(
-            f"Leverage above {LARGEST_LEVERAGE:g} of {high.size} of {fit.runs} runs: each of them nearly "
-            "determines a coefficient alone, so its error at the runs is not meaningful."
-        )
-    return warnings
-
-
-@result("fitted.symbol", "chosen")
-class ResponseForms(Result):
-    """All forms fitted to one response, and the effects of the factors by its chosen equation."""
-
-    fitted: Flat[FittedResponse]
-    chosen: str
-    forms: tuple[FittedEquation, ...]
-    sensitivities: Sensitivities
-
-    def selected(self, form: str | None = None) -> FittedEquation:
-        """Return the equation for the model: of the given form or its twin, else the chosen one."""
-        wanted = self.chosen if form is None else self.fitted.twins.get(form, form)
-        return next(equation for equation in self.forms if equation.errors.form == wanted)
-
-    def parts(self, name: str, form: str | None = None) -> Parts:
-        """Compare the forms of a response, and describe one of them with the effects of the factors."""
-        words, shown = name.replace("_", " "), self.selected(form)
-        support = f", {self.fitted.support}" if self.fitted.support else ""
-        yield Table.of_records(
-            f"{words.capitalize()} {self.fitted.symbol}{support}: largest (mean) errors in %",
-            [equation.errors for equation in self.forms],
-            (Column("form", words=True), lambda f: f.form + (" *" if f is shown.errors else "")),
-            (Column("terms"), lambda f: f.coefficient_count),
-            (Column("R2", decimals=5), lambda f: f.r_squared),
-            (Column("Q2", decimals=5), lambda f: f.q_squared),
-            (Column("at the runs"), lambda f: _both(f.largest_error, f.mean_error)),
-            (Column("held out"), lambda f: _both(f.largest_heldout_error, f.mean_heldout_error)),
-            weight=lambda f: (
-                1.0 / (f.largest_heldout_error or 1.0) if f is not shown.errors else 1e9
-            ),
-            main=True,
-        )
-        if self.fitted.slopes:
-            yield f"Fitted to {self.fitted.slopes} slopes besides the values at the runs."
-        if self.fitted.reason:
-            yield Main(f"Chosen by its errors: {self.fitted.reason}")
-        else:
-            yield Main(f"The study names the form: {self.chosen}.")
-        if form is not None:
-            yield f"Used because of --form: {form}."
-        elif self.fitted.reason:
-            yield "The form was chosen by this error, so it is slightly optimistic for other designs."
-        for line in self.fitted.skipped:
-            yield f"Not fitted: {line}"
-        yield from shown.parts()
-        yield LACK_OF_FIT
-        yield from self._effects(words)
-
-    def _effects(self, response: str) -> Parts:
-        effects = self.sensitivities
-        first, total, shapley = (
-            ({}, {}, None)
-            if effects.sobol is None
-            else (effects.sobol.first, effects.sobol.total, effects.sobol.shapley)
-        )
-
-        def nominal(factor: str) -> str:
-            value = effects.nominal[factor]
-            return (
-                value if isinstance(value, str) else format_quantity(value, effects.units[factor])
-            )
-
-        def change(factor: str) -> str:
-            slope = effects.elasticity.get(factor)
-            return "" if slope is None else f"{round(slope, 3) + 0.0:+.3f}"
-
-        yield Table.of_records(
-            f"Sensitivity of the {response} by the chosen equation",
-            effects.nominal,
-            (Column("factor", words=True), str),
-            (Column("nominal"), nominal),
-            (Column("elasticity"), change),
-            (Column("Sobol, first", decimals=3), first.get),
-            (Column("total", decimals=3), total.get),
-            *(() if shapley is None else ((Column("Shapley", decimals=3), shapley.get),)),
-            main=True,
-        )
-        shares = (
-            "shares of the variance over the ranges, alone and with others."
-            if shapley is None
-            else "shares of the variance over the ranges within the constraints: reduction if only this "
-            "factor is known (first), remainder if only this factor is unknown (total), and its share of the "
-            "whole (Shapley; these add up to 1)."
-        )
+def fit_parts(fit: Fit) -> Parts:
+    """Tabulate the coefficients of an equation."""
+    if "[" in fit.equation:
+        yield "A condition in square brackets is 1 where it holds, 0 elsewhere."
+    mean = "" if fit.condition_number is not None else "the mean of the "
+    yield Table.of_records(
+        f"Coefficients of {mean}{fit.form}: coded (-1 ... 1 over the runs), and natural in SI "
+        "units",
+        fit.coded,
+        (Column("term", words=True), lambda c: c.symbols),
+        (Column("coded", digits=5), lambda c: c.coefficient),
+        (Column("std. error", digits=2), lambda c: c.standard_error),
+        (Column("t", digits=3), lambda c: c.t),
+        (Column("VIF", digits=3), lambda c: c.variance_inflation),
+        (Column("natural", digits=6), lambda c: fit.coefficients[c.term]),
+    )
+    adjusted = fit.adjusted_r_squared
+    if fit.condition_number is not None:
         yield (
-            "Elasticity: change in per cent for one per cent of the factor, at the nominal values. "
-            f"Sobol indices: {shares}"
+            f"Adjusted R2 {'none' if adjusted is None else f'{adjusted:.5f}'}, "
+            f"F {_or_none(fit.f_value)}, AIC {_or_none(fit.aic, 5)}, BIC {_or_none(fit.bic, 5)}, "
+            f"condition number {fit.condition_number:.3g}, largest leverage "
+            f"{fit.largest_leverage:.2f}."
         )
+    for title, terms in (
+        ("Dropped, because PRESS does not grow without them", fit.dropped),
+        ("Left out, because the runs do not determine them", fit.undetermined),
+    ):
+        if terms:
+            yield f"{title}: {', '.join(terms)}."
+    for line in fit.warnings:
+        yield Main(f"Warning: {line}")
+
+
+def response_parts(fits: ResponseFits, name: str, form: str | None = None) -> Parts:
+    """Compare the forms of a response, and describe one of them with the effects of the factors."""
+    words, shown = name.replace("_", " "), fits.selected(form)
+    support = f", {fits.support}" if fits.support else ""
+    yield Table.of_records(
+        f"{words.capitalize()} {fits.symbol}{support}: largest (mean) errors in %",
+        fits.fits,
+        (Column("form", words=True), lambda f: f.form + (" *" if f is shown else "")),
+        (Column("terms"), lambda f: f.coefficient_count),
+        (Column("R2", decimals=5), lambda f: f.r_squared),
+        (Column("Q2", decimals=5), lambda f: f.q_squared),
+        (Column("at the runs"), lambda f: _both(f.largest_error, f.mean_error)),
+        (Column("held out"), lambda f: _both(f.largest_heldout_error, f.mean_heldout_error)),
+        weight=lambda f: 1.0 / (f.largest_heldout_error or 1.0) if f is not shown else 1e9,
+        main=True,
+    )
+    if fits.slopes:
+        yield f"Fitted to {fits.slopes} slopes besides the values at the runs."
+    if fits.reason:
+        yield Main(f"Chosen by its errors: {fits.reason}")
+    else:
+        yield Main(f"The study names the form: {fits.chosen_form}.")
+    if form is not None:
+        yield f"Used because of --form: {form}."
+    elif fits.reason:
+        yield "The form was chosen by this error, so it is slightly optimistic for other designs."
+    for line in fits.skipped:
+        yield f"Not fitted: {line}"
+    yield from fit_parts(shown)
+    yield LACK_OF_FIT
+    yield from _effects(fits, words)
+
+
+def _effects(fits: ResponseFits, response: str) -> Parts:
+    effects = fits.sensitivities
+    assert effects is not None
+    first, total, shapley = (
+        ({}, {}, None)
+        if effects.sobol is None
+        else (effects.sobol.first, effects.sobol.total, effects.sobol.shapley)
+    )
+
+    def nominal(factor: str) -> str:
+        value = effects.nominal[factor]
+        return value if isinstance(value, str) else format_quantity(value, effects.units[factor])
+
+    def change(factor: str) -> str:
+        slope = effects.elasticity.get(factor)
+        return "" if slope is None else f"{round(slope, 3) + 0.0:+.3f}"
+
+    yield Table.of_records(
+        f"Sensitivity of the {response} by the chosen equation",
+        effects.nominal,
+        (Column("factor", words=True), str),
+        (Column("nominal"), nominal),
+        (Column("elasticity"), change),
+        (Column("Sobol, first", decimals=3), first.get),
+        (Column("total", decimals=3), total.get),
+        *(() if shapley is None else ((Column("Shapley", decimals=3), shapley.get),)),
+        main=True,
+    )
+    shares = (
+        "shares of the variance over the ranges, alone and with others."
+        if shapley is None
+        else "shares of the variance over the ranges within the constraints: reduction if only this "
+        "factor is known (first), remainder if only this factor is unknown (total), and its share of the "
+        "whole (Shapley; these add up to 1)."
+    )
+    yield (
+        "Elasticity: change in per cent for one per cent of the factor, at the nominal values. "
+        f"Sobol indices: {shares}"
+    )
 
 
 @result("source", "response", "measured", "calculated", "ratio")
@@ -337,7 +213,7 @@ class FittedStudy(Result):
     table: DesignTable
     value_units: tuple[str, ...]
     statement: str
-    fits: Mapping[str, ResponseForms]
+    fits: Mapping[str, ResponseFits]
     unfitted: Mapping[str, str]
     compared: tuple[Comparison, ...]
 
@@ -356,14 +232,15 @@ class FittedStudy(Result):
         """Write the equation of a response, by default the main one, and its held-out error."""
         name = response or self.main_response
         shown = self.fits[name].selected(form)
-        yield f"{shown.errors.form}: {shown.equation}"
-        errors = (shown.errors.largest_heldout_error, shown.errors.mean_heldout_error)
+        yield f"{shown.form}: {shown.equation}"
+        errors = (shown.largest_heldout_error, shown.mean_heldout_error)
         largest, mean = map(_percent, errors)
         yield f"Held-out error of the {name.replace('_', ' ')} by it: at most {largest}, mean {mean}."
 
     def lookup_line(self, model: str) -> str:
         """Return the command that looks the study's nominal throw up in a model."""
         effects = self.fits[self.main_response].sensitivities
+        assert effects is not None
         dimensions = (
             f"{name}={value if isinstance(value, str) else format_quantity(value, effects.units[name])}"
             for name, value in effects.nominal.items()
@@ -382,10 +259,10 @@ class FittedStudy(Result):
         """
         detailed = response or self.main_response
         yield from self._overview(form)
-        yield from self.fits[detailed].parts(detailed, form)
+        yield from response_parts(self.fits[detailed], detailed, form)
 
     def _overview(self, form: str | None = None) -> Parts:
-        every = {name: response.selected(form).errors for name, response in self.fits.items()}
+        every = {name: response.selected(form) for name, response in self.fits.items()}
         moments = {name: fit for name, fit in every.items() if name in END_MOMENTS}
         equations = "their chosen equations" if form is None else f"the form {form}, as given"
         judged = min(fit.band_designs for fit in every.values())
@@ -407,12 +284,12 @@ class FittedStudy(Result):
                 Column("95 %" if enough else "new"),
                 lambda name: _percent(every[name].band_error),
             ),
-            (Column("FE"), lambda name: _percent(self.fits[name].fitted.fe_error)),
+            (Column("FE"), lambda name: _percent(self.fits[name].fe_error)),
             main=True,
         )
         doubted: dict[tuple[str, ...], list[str]] = {}
         for name, response in self.fits.items():
-            doubted.setdefault(response.fitted.left_out_slopes, []).append(name)
+            doubted.setdefault(response.left_out_slopes, []).append(name)
         for slopes, names in doubted.items():
             if slopes:
                 yield (
