@@ -27,7 +27,7 @@ class FilesOfInput:
     kind : str
         Its name; shipped files are in the folder of `data` with this name and an s.
     about : str
-        What such a file does, as in "describes an elastic hinge".
+        What such a file does, to follow its name in a sentence: "describes ...".
     command : str
         The name of the command that reads it.
     marks : frozenset of str

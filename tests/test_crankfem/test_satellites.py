@@ -55,9 +55,6 @@ def test_a_plug_loads_nothing_of_its_satellite(spawn):
     )
     answer = spawn(command=[sys.executable, "-c", code])
     assert answer.code == 0, answer.err
-    loaded = {
-        f"crankfem.satellites.{name}{module}" for name in SATELLITES for module in ("", ".plug")
-    }
-    assert set(answer.out.split()) == loaded | {
-        *("crankfem.files", "crankfem.files.satellites", "crankfem.satellites")
-    }
+    own = {f"crankfem.satellites.{name}{module}" for name in SATELLITES for module in ("", ".plug")}
+    loaded = set(answer.out.split()) - {"crankfem.satellites"}
+    assert loaded == own | {"crankfem.files", "crankfem.files.satellites"}

@@ -192,9 +192,7 @@ def test_a_study_names_the_form(study):
     response = fits["axial_compliance"]
     assert response.chosen.form == PROCESS
     assert {fit.form for fit in response.fits} > {"power law", "log-quadratic", PROCESS}
-    assert (
-        fitted_study(table, fits, model).fits["axial_compliance"].selected().form == PROCESS
-    )
+    assert fitted_study(table, fits, model).fits["axial_compliance"].selected().form == PROCESS
     plain = replace(table, plan=replace(table.plan, form=None))
     assert PROCESS not in {fit.form for fit in fit_study(plain)["axial_compliance"].fits}
     asked = fit_study(plain, PROCESS)["axial_compliance"]
