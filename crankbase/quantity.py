@@ -612,16 +612,24 @@ def format_quantity(value: float, unit: str, digits: int = 6) -> str:
     >>> format_quantity(3372.4, "N m", 3)
     '3370 N m'
     """
+    return " ".join(number_and_unit(value, unit, digits)).strip()
+
+
+def number_and_unit(value: float, unit: str, digits: int = 6) -> tuple[str, str]:
+    """Write an SI number and, apart from it, the unit in which engineers read it."""
     shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
     value = without_round_off(value, unit)
     if shown.startswith(POWER_OF_TEN):
-        return f"{value / size:.{digits}g}e-9 {unit}"
+        return f"{value / size:.{digits}g}e-9", unit
     if unit in THOUSANDFOLD and abs(value) >= KILO_FROM:
         shown, size = f"k{unit}", 1e3
-    text = compact(value / size, digits)
-    if "e" in text and 1.0 <= abs(value / size) < WRITTEN_OUT:
-        text = f"{float(text):.0f}"
-    return f"{text} {shown}".strip()
+    return compact_large(value / size, digits), shown
+
+
+def compact_large(value: float, digits: int) -> str:
+    """Write a number as `compact` does, but without a power of ten where a person reads it so."""
+    text = compact(value, digits)
+    return f"{float(text):.0f}" if "e" in text and 1.0 <= abs(value) < WRITTEN_OUT else text
 
 
 def quantities_apart(value: float, other: float, unit: str, digits: int = 3) -> tuple[str, str]:

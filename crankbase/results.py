@@ -32,6 +32,7 @@ import numpy as np
 from crankbase.errors import InputError, SolveError, quoted
 from crankbase.frames import Row, table_of
 from crankbase.quantity import RPM
+from crankbase.sentences import Sentence, with_sentences
 from crankbase.summaries import summarized
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ Flat: TypeAlias = Annotated[T, Quantity(flat=True)]
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
 def result(*main: str, eq: bool = False) -> Callable[[type[T]], type[T]]:
-    """Make a frozen class of results with a short text.
+    """Make a frozen class of results with a short text; what its texts say are finished sentences.
 
     Parameters
     ----------
@@ -134,7 +135,7 @@ def result(*main: str, eq: bool = False) -> Callable[[type[T]], type[T]]:
     def decorate(cls: type[T]) -> type[T]:
         has_text = "__repr__" in vars(cls)
         return summarized(*main, keeps_text=has_text, unit_of=_unit_of)(
-            dataclass(frozen=True, eq=eq, repr=False)(cls)
+            with_sentences(dataclass(frozen=True, eq=eq, repr=False)(cls))
         )
 
     return decorate
@@ -202,7 +203,9 @@ class Result:
                 )
             part = content if quantity.flat else content.get(key)
             try:
-                vars(made)[name] = _adapter(kind).validate_python(part)
+                vars(made)[name] = _said_again(
+                    _adapter(kind).validate_python(part), content.get(SAID, {}).get(key)
+                )
             except ValidationError as error:
                 first = error.errors()[0]
                 if isinstance(inner := first.get("ctx", {}).get("error"), InputError):
@@ -351,19 +354,26 @@ def plain(value: Any) -> Any:
         return value
     if isinstance(value, Result):
         record: dict[str, Any] = {}
+        said: dict[str, Any] = {}
         for name, (quantity, _) in contents(type(value)).items():
             content = getattr(value, name)
             if quantity.left_out and content is None:
                 continue
             if quantity.flat:
-                record |= plain(content)
+                part = plain(content)
+                said |= part.pop(SAID, {})
+                record |= part
                 continue
+            if (pieces := _said(content)) is not None:
+                said[quantity.key_of(name)] = pieces
             if math.isnan(quantity.missing):
                 content = _without_nan(content)
             if quantity.exported and content is not None:
                 content = np.asarray(content, dtype=float) * EXPORTED[quantity.exported][0]
             record[quantity.key_of(name)] = plain(content)
-        return record
+        return record | ({SAID: said} if said else {})
+    if isinstance(value, str):
+        return str(value)
     if _is_input(value):
         value = value.model_dump(mode="json")
     if isinstance(value, np.ndarray | np.generic):
@@ -377,6 +387,36 @@ def plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [plain(part) for part in value]
     return None if isinstance(value, float) and math.isinf(value) else value
+
+
+# Key of the sentences of a result, beside its texts: words and values of each in turn, by its key.
+SAID = "said"
+
+
+def _said(content: Any) -> Any:
+    """Return words and values of a sentence or of several, None in place of a plain text; None for none."""
+    if isinstance(content, Sentence):
+        return content.record()
+    if isinstance(content, tuple | list):
+        pieces = [_said(part) if isinstance(part, str) else None for part in content]
+        return pieces if any(pieces) else None
+    if isinstance(content, Mapping):
+        by_name = {
+            str(name): _said(part) for name, part in content.items() if isinstance(part, str)
+        }
+        return {name: pieces for name, pieces in by_name.items() if pieces} or None
+    return None
+
+
+def _said_again(value: Any, pieces: Any) -> Any:
+    """Return what was read with the sentences that belong to it, if there are any."""
+    if not pieces:
+        return value
+    if isinstance(value, str):
+        return Sentence.from_record(pieces)
+    if isinstance(value, Mapping):
+        return {name: _said_again(part, pieces.get(name)) for name, part in value.items()}
+    return type(value)(map(_said_again, value, pieces))
 
 
 def _without_nan(value: Any) -> Any:

@@ -23,23 +23,12 @@ from crankbase.quantity import (
     without_noise,
     without_round_off,
 )
+from crankbase.sentences import written
 from crankbase.units import Kind, NoUnitError, kind_of, kind_of_si, unit_quantity
 
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
 # A user who reads angles in degrees does not mean speeds in degrees per second.
 NEVER_APART = ("rad/s",)
-
-_NUMBER = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
-# One unit behind a range or a list is that of all its numbers.
-_BETWEEN = r"(?:, | to | x |,? and |,? or )"
-_UNITS = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
-_NUMBERS = re.compile(_NUMBER)
-_QUANTITY = re.compile(
-    rf"(?<![\w./^-])(?P<numbers>(?:{_NUMBER}{_BETWEEN})*{_NUMBER}) (?P<unit>{_UNITS})"
-    r"(?![\w^/]|\s(?:m|s|rad)\b)"
-)
-
-_SENTENCE_END = re.compile(r"(?<=[\w%)\]\"]\.) (?=[A-Z0-9])")
 
 
 @dataclass(frozen=True)
@@ -112,8 +101,9 @@ class OutputUnits:
     >>> units = parse_output_units("in, lbf")
     >>> units.of("1e-9 m/N").name, units.of("1e-9 m/N").number(1.27e-9)
     ('1e-9 in/lbf', '222.4')
-    >>> units.text("The range is 270 to 330 mm.")
-    'The range is 10.6 to 13 in.'
+    >>> from crankbase.sentences import amount
+    >>> units.written(f"{amount(0.27, 'm')} of the 500 mm series")
+    '10.6 in of the 500 mm series'
     """
 
     wished: tuple[tuple[Kind, str, float], ...] = ()
@@ -135,23 +125,9 @@ class OutputUnits:
         shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
         return self.of(shown).with_name(value, digits)
 
-    def text(self, sentence: str) -> str:
-        """Return a sentence with the quantities in it converted, to at least as many digits."""
-        return _QUANTITY.sub(self._replaced, sentence) if self.wished else sentence
-
-    def _replaced(self, match: re.Match[str]) -> str:
-        unit, size = UNITS[match["unit"]]
-        converted = self._converted(unit)
-        if converted is None:
-            return match[0]
-        shown = OutputUnit(converted[0], converted[1], wished=True)
-
-        def write(number: re.Match[str]) -> str:
-            mantissa = number[0].partition("e")[0].lstrip("+-").lstrip("0.")
-            digits = len(mantissa.replace(".", ""))
-            return shown.number(float(number[0]) * size, max(digits, 3))
-
-        return f"{_NUMBERS.sub(write, match['numbers'])} {shown.name}"
+    def written(self, text: str, most: int | None = None) -> str:
+        """Return a text with its values in these units, with so many digits at most."""
+        return written(text, lambda value: value.text(self, most))
 
     def _converted(self, unit: str) -> tuple[str, float] | None:
         """Return name and size of the unit that replaces an SI one: as a whole, else by its factors."""
@@ -475,18 +451,30 @@ class Table:
 class Main(str):
     """A paragraph that belongs to the main results, as a table that is `Table.main`.
 
+    Parameters
+    ----------
+    *sentences : str
+        Of which the first leads, and stands alone where there is little room.
+
     Examples
     --------
-    >>> Main("Fine to 515 1/min. No critical speed is near.").lead
+    >>> Main("Fine to 515 1/min.", "No critical speed is near.").lead
     'Fine to 515 1/min.'
     """
 
-    __slots__ = ()
+    __slots__ = ("first",)
+    first: str
+
+    def __new__(cls, *sentences: str) -> "Main":
+        """Join sentences to a paragraph."""
+        made = super().__new__(cls, " ".join(sentences))
+        made.first = sentences[0]
+        return made
 
     @property
     def lead(self) -> "Main":
         """The first sentence; all of a warning."""
-        return self if self.startswith("Warning") else Main(_SENTENCE_END.split(self, 1)[0])
+        return self if self.startswith("Warning") else Main(self.first)
 
 
 def _cell(record: Any, cell: str | Callable[[Any], Cell]) -> Cell:

@@ -19,6 +19,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
+from crankbase.sentences import amount
 from crankbase.summaries import summarized
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
@@ -77,8 +78,8 @@ class TwoMassCheck(Result):
             f"{table.highest_order:g}"
         )
         if table.resolves(self.order):
-            amplitude = table.amplitude[table.index_of(self.order)]
-            return f"{known}: this table excites order {self.order:g} with {amplitude:.4g} N m."
+            torque = amount(table.amplitude[table.index_of(self.order)], "N m", 4, shown="N m")
+            return f"{known}: this table excites order {self.order:g} with {torque}."
         if self.order < table.highest_order:
             known += f" in steps of {order_step(table.strokes):g}"
         return f"{known}: this table cannot excite order {self.order:g}."

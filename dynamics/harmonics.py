@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
 from crankbase.results import Internal, Number, Quantity, Result, result
+from crankbase.sentences import with_sentences
 from crankbase.summaries import summarized
 from dynamics.cycle import check_even_cycle, cycle_degrees, is_even_cycle, order_step
 from dynamics.plots.harmonics import draw_harmonics, draw_samples, draw_single_harmonics
@@ -310,6 +311,7 @@ TABLE = TableKind(
 )
 
 
+@with_sentences
 @summarized("torque [N m]", "crank_angle_deg [deg]", "strokes", "source")
 @dataclass(frozen=True, eq=False)
 class TorqueTable:

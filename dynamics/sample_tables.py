@@ -15,6 +15,7 @@ from crankbase.exported_table import ExportedTable, read_exported_table, unit_si
 from crankbase.input_file import GivenFile, InputFile
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import percent
+from crankbase.sentences import angle
 from crankbase.units import pressure_reference
 from dynamics.cycle import (
     PLACE_TOLERANCE,
@@ -427,7 +428,7 @@ def one_cycle(
             values = values.copy()
             values[0] = 0.5 * (values[0] + closing)
         else:
-            remarks.append(f"The closing sample at {rows.angles[cut.closing]:g} deg was dropped.")
+            remarks.append(f"The closing sample at {angle(rows.angles[cut.closing])} was dropped.")
     seam = _seam(single.angles, values, cycle)
     if seam > SEAM and cut.closing is None:
         half = (
@@ -437,7 +438,7 @@ def one_cycle(
         )
         sentence = (
             f"{rows.path}: the step from the last sample to the first is {seam:.2g} times the largest "
-            f"between the samples, as if the cycle of {cycle:g} deg did not close.{half}"
+            f"between the samples, as if the cycle of {angle(cycle)} did not close.{half}"
         )
         if len(cycles) > 1:
             faults.append(f"{sentence} Give its strokes, 2, if it does.")
@@ -445,7 +446,8 @@ def one_cycle(
             remarks.append(sentence)
     if len(cycles) > 1 and cut.strokes == 2:
         remarks.append(
-            f"Taken as a two-stroke cycle, because it covers {cycle:g} deg; a four-stroke cycle has 720 deg."
+            f"Taken as a two-stroke cycle, because it covers {angle(cycle)}; a four-stroke cycle has "
+            f"{angle(720.0)}."
         )
     if faults:
         raise InputError("\n".join(faults))

@@ -5,15 +5,8 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 import numpy as np
 
 from crankbase.array_checks import FloatArray
-from crankbase.quantity import (
-    RPM,
-    compact,
-    format_quantity,
-    format_usage,
-    percent,
-    quantities_apart,
-    significant,
-)
+from crankbase.quantity import format_usage, percent
+from crankbase.sentences import amount, apart, capital, joined, kept, listed, written
 
 SpeedRanges = Sequence[tuple[float, float]]
 # What a verdict is called; "undecided" and "not judged" are those of a run, not of a `Verdict`.
@@ -26,14 +19,29 @@ VERDICTS = {
 }
 
 
+def at_speed(speed: float) -> str:
+    """Write a speed [rad/s] into a sentence."""
+    return amount(speed, "rad/s", 4)
+
+
+def speed_range(low: float, high: float) -> str:
+    """Write a range of speeds [rad/s] into a sentence."""
+    return listed((low, high), "rad/s", 4, " to ")
+
+
 def speed_text(speed: float) -> str:
     """Write a speed [rad/s] in 1/min."""
-    return format_quantity(speed, "rad/s", 4)
+    return written(at_speed(speed))
 
 
 def shown_range(low: float, high: float) -> str:
     """Write a range of speeds [rad/s] in 1/min."""
-    return f"{speed_text(low).removesuffix(' 1/min')} to {speed_text(high)}"
+    return written(speed_range(low, high))
+
+
+def frequency_text(frequency: float) -> str:
+    """Write a frequency [Hz] into a sentence."""
+    return amount(frequency, "Hz", decimals=1)
 
 
 def limit_at(name: str, place: str) -> str:
@@ -51,14 +59,14 @@ def use_in_words(
     passing: bool = False,
 ) -> str:
     """State the value of a quantity at a speed [rad/s] and the permitted value there, or that for passing."""
-    reached, allowed = quantities_apart(value, permitted, unit, digits)
+    reached, allowed = apart(value, permitted, unit, digits)
     if np.isinf(value):
         may = "may be passed" if passing else "is permitted"
-        return f"unbounded at {speed_text(speed)}, where {allowed} {may}"
+        return f"unbounded at {at_speed(speed)}, where {allowed} {may}"
     used = value / permitted
     most = "at most " if used <= 1.0 else ""
     of = f"{allowed} that may be passed" if passing else f"permitted {allowed}"
-    return f"{most}{reached} at {speed_text(speed)}, {format_usage(used)} of the {of}"
+    return f"{most}{reached} at {at_speed(speed)}, {format_usage(used)} of the {of}"
 
 
 def share_of_limit(used: float, *, passing: bool) -> str:
@@ -68,7 +76,7 @@ def share_of_limit(used: float, *, passing: bool) -> str:
     return f"{format_usage(used)} of {'what may be passed' if passing else 'its limit'}"
 
 
-def check_sentence(
+def check_sentences(
     limit: str,
     place: str,
     source: str,
@@ -78,12 +86,13 @@ def check_sentence(
     reasons: str,
     *,
     above_alone: bool = False,
-) -> str:
-    """State what is reached of a limit at a place, the limit's source and the cause.
+) -> tuple[str, ...]:
+    """State what is reached of a limit at a place, with the limit's source, and the cause, if it is known.
 
     `use` is the largest at all speeds judged, `running` at running speeds, where that is another one. Where
     the limit is exceeded above the running range alone, that comes first.
     """
+    use, running, reasons = kept(use), kept(running), kept(reasons)
     if running:
         use = (
             f"above the running range {use}; at running speeds {running}"
@@ -91,16 +100,16 @@ def check_sentence(
             else f"{running} at running speeds; above them {use}"
         )
         # The cause is that of one of the two.
-        reasons = reasons and f"at {speed_text(speed)}, {reasons}"
+        reasons = reasons and f"at {at_speed(speed)}, {reasons}"
     text = f"{limit_at(limit, place)}: {use} ({source})."
-    return f"{text} {reasons[0].upper()}{reasons[1:]}." if reasons else text
+    return (text, f"{capital(reasons)}.") if reasons else (text,)
 
 
 def verdict_headline(status: str, running_range: tuple[float, float], barred: Sequence[str]) -> str:
     """Return a verdict in a few words, with the running range or the ranges to bar."""
     beside = {
-        "fine": f" from {shown_range(*running_range)}",
-        "barred range needed": f", {', '.join(barred)}",
+        "fine": f" from {speed_range(*running_range)}",
+        "barred range needed": f", {joined(', ', barred)}",
     }
     return VERDICTS[status] + beside.get(status, "")
 
@@ -109,7 +118,7 @@ def barred_sentence(
     low: float, high: float, position: str, refusals: Sequence[str], full_load: bool
 ) -> str:
     """State whether a range may be barred or passed, and why not; without its full stop."""
-    shown, why = shown_range(low, high), f": {'; '.join(refusals)}" if refusals else ""
+    shown, why = speed_range(low, high), f": {joined('; ', refusals)}" if refusals else ""
     if position == "above":
         return f"{shown}, above the running range{why}"
     passed = f"{shown} is passed on every start"
@@ -128,7 +137,7 @@ CUT_OFF = "the range reaches the end of the speeds calculated"
 def above_running(limit: str, used: float, end: float) -> str:
     """Refuse a range above the running one, by the share of a limit used that applies up to a speed."""
     return (
-        f"{limit} reaches {_used(used)} of its limit, which applies up to {speed_text(end)}; the engine does "
+        f"{limit} reaches {_used(used)} of its limit, which applies up to {at_speed(end)}; the engine does "
         "not run there, so that only less vibration or another critical speed helps"
     )
 
@@ -136,13 +145,13 @@ def above_running(limit: str, used: float, end: float) -> str:
 def too_high(top: float, end: float, rated: float, holds_rated: bool) -> str:
     """Refuse a range by its highest speed, above the end of what may be barred."""
     reaches = (
-        f"it holds the rated speed of {speed_text(rated)}"
+        f"it holds the rated speed of {at_speed(rated)}"
         if holds_rated
         else f"it reaches {top / rated:.2f} of the rated speed"
     )
     return (
         f"{reaches}, and nothing may be barred above {end / rated:.2f} "
-        f"{'of it ' if holds_rated else ''}({speed_text(end)})"
+        f"{'of it ' if holds_rated else ''}({at_speed(end)})"
     )
 
 
@@ -159,12 +168,11 @@ def no_passing(limit: str) -> str:
 def too_much(place: str, value: float, passing: float, unit: str, speed: float, others: int) -> str:
     """Refuse a range by what is reached at a place; further places exceed what may be passed, too."""
     reached, passed = (
-        "no bounds" if np.isinf(size) else format_quantity(size, unit, 4)
-        for size in (value, passing)
+        "no bounds" if np.isinf(size) else amount(size, unit, 4) for size in (value, passing)
     )
     more = "location exceeds" if others == 1 else "locations exceed"
     return (
-        f"{place} reaches {reached} at {speed_text(speed)}, where {passed} may be passed"
+        f"{place} reaches {reached} at {at_speed(speed)}, where {passed} may be passed"
         f"{f'; {others} more {more} what may be passed' if others else ''}"
     )
 
@@ -179,16 +187,16 @@ def range_ends(
 ) -> str:
     """State where limits are exceeded first and last, and about which peaks the rule widens the range."""
     parts = [
-        f"limits are exceeded from {speed_text(first[0])} ({first[1]}) to {speed_text(last[0])} "
+        f"limits are exceeded from {at_speed(first[0])} ({first[1]}) to {at_speed(last[0])} "
         f"({last[1]}), {'not throughout, ' if gaps else ''}{_used(used)} is used at most"
     ]
     low, high = peaks
     if low is not None:
-        parts.append(f"the range begins at 16 n/(18 - r) below the peak at n = {speed_text(low)}")
+        parts.append(f"the range begins at 16 n/(18 - r) below the peak at n = {at_speed(low)}")
     if high is not None:
-        parts.append(f"it ends at (18 - r) n/16 above the peak at n = {speed_text(high)}")
+        parts.append(f"it ends at (18 - r) n/16 above the peak at n = {at_speed(high)}")
     if len(parts) > 1:
-        parts.append(f"r is n divided by the rated speed of {speed_text(rated)}")
+        parts.append(f"r is n divided by the rated speed of {at_speed(rated)}")
     return "; ".join(parts)
 
 
@@ -201,7 +209,7 @@ def begins_below(low: float, begins: float) -> str:
     """State from where a range is passed that begins below the running range; nothing if it does not."""
     if begins <= low:
         return ""
-    return f"; from {speed_text(low)} to the lowest running speed it is passed on every start"
+    return f"; from {at_speed(low)} to the lowest running speed it is passed on every start"
 
 
 def _used(share: float) -> str:
@@ -248,9 +256,9 @@ def orders_contribute(
 def orders_named(runs: Sequence[tuple[float, float]], state: str, mode: str) -> str:
     """Name orders by their first and last ones, with their common state."""
     texts = [f"{low:g} to {high:g}" if low < high else f"{low:g}" for low, high in runs]
-    listed = " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
+    named = " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
     many = len(runs) > 1 or runs[0][0] < runs[0][1]
-    return f"order{'s' if many else ''} {listed}, {STATES[state].format(mode or 'several modes')}"
+    return f"order{'s' if many else ''} {named}, {STATES[state].format(mode or 'several modes')}"
 
 
 def shares_of_peak(speed: float, shares: Sequence[tuple[str, float]]) -> str:
@@ -258,12 +266,12 @@ def shares_of_peak(speed: float, shares: Sequence[tuple[str, float]]) -> str:
     named = "; ".join(f"{orders}: {100.0 * share:.0f} %" for orders, share in shares)
     more = round(100.0 * (sum(share for _, share in shares) - 1.0))
     less = f"; all others subtract {more} %" if more > 0 else ""
-    return f"At {significant(speed * RPM, 3)} 1/min, {named} of the amplitude{less}."
+    return f"At {amount(speed, 'rad/s', 3, zeros=True)}, {named} of the amplitude{less}."
 
 
 def barring(low: float, high: float, position: str, allowed: bool) -> str:
     """State whether speeds [rad/s] may be barred or passed, without the reasons."""
-    shown = shown_range(low, high)
+    shown = speed_range(low, high)
     if position == "above":
         return f"{shown}, above the running range, exceeds a limit."
     if position == "below":
@@ -273,7 +281,7 @@ def barring(low: float, high: float, position: str, allowed: bool) -> str:
 
 def restricted_while_misfiring(restriction: str) -> str:
     """State at which speeds to run while a cylinder misfires, by `restricted_running`."""
-    return f"While a cylinder misfires, {restriction}."
+    return f"While a cylinder misfires, {kept(restriction)}."
 
 
 def restricted_running(advised: SpeedRanges, remaining: SpeedRanges, otherwise: SpeedRanges) -> str:
@@ -291,7 +299,7 @@ def restricted_running(advised: SpeedRanges, remaining: SpeedRanges, otherwise: 
             if count > 1
             else "a range too narrow to run in,"
         )
-        return f"limits are kept only in {some} {shown_range(low, high)}"
+        return f"limits are kept only in {some} {speed_range(low, high)}"
     narrower = len(remaining) - len(advised)
     left = f" (and {narrower} too narrow to run in)" if narrower else ""
     too = "is" if len(otherwise) == 1 else "are"
@@ -314,15 +322,12 @@ def _contribute(amount: float, many: bool) -> str:
 
 def peak_text(amplitude: float, unit: str) -> str:
     """Write the amplitude of a peak, or of a part of it."""
-    if np.isinf(amplitude):
-        return "unbounded"
-    text = format_quantity(amplitude, unit, 3)
-    return format_quantity(amplitude, unit, 4) if "e+" in text else text
+    return amount(amplitude, unit, 3)
 
 
 def chain_mode(kind: str, frequency: float) -> str:
     """Name a mode of a chain by its frequency [Hz]."""
-    return f"{kind} mode of the chain at {frequency:.1f} Hz"
+    return f"{kind} mode of the chain at {frequency_text(frequency)}"
 
 
 def no_mode_alike(name: str) -> str:
@@ -333,7 +338,7 @@ def no_mode_alike(name: str) -> str:
 def two_modes_alike(name: str, kind: str, modes: Sequence[tuple[float, float]]) -> str:
     """State between which modes a chain's mode is divided: frequencies [Hz] and shares of its kind."""
     both = " and ".join(
-        f"{frequency:.1f} Hz ({100.0 * share:.0f} % {kind})" for frequency, share in modes
+        f"{frequency_text(frequency)} ({100.0 * share:.0f} % {kind})" for frequency, share in modes
     )
     return f"The whole shaft has two modes like the {name}: {both}."
 
@@ -341,7 +346,7 @@ def two_modes_alike(name: str, kind: str, modes: Sequence[tuple[float, float]]) 
 def other_frequency(name: str, shaft: float, difference: float, limit: float) -> str:
     """State how far a chain's frequency is from that of the whole crankshaft [Hz]."""
     return (
-        f"The {name} differs from that of the whole shaft, at {shaft:.1f} Hz, by "
+        f"The {name} differs from that of the whole shaft, at {frequency_text(shaft)}, by "
         f"{100.0 * difference:+.1f} %, more than {100.0 * limit:.0f} %."
     )
 
@@ -349,7 +354,7 @@ def other_frequency(name: str, shaft: float, difference: float, limit: float) ->
 def mixed_mode(kind: str, shaft: float, share: float, limit: float) -> str:
     """State how little of a mode of the whole crankshaft [Hz] is of a chain's kind."""
     return (
-        f"The whole shaft's mode at {shaft:.1f} Hz is only {percent(share, 3)} % {kind}, less than "
+        f"The whole shaft's mode at {frequency_text(shaft)} is only {percent(share, 3)} % {kind}, less than "
         f"{100.0 * limit:.0f} %."
     )
 
@@ -367,35 +372,43 @@ def frequency_steps(
 ) -> str:
     """State both frequencies of a mode [Hz] and the steps between them; small ones are told together."""
     text = (
-        f"{kind} mode {mode}: {shaft:.1f} Hz by the whole crankshaft, {chain:.1f} Hz by the chain"
+        f"{kind} mode {mode}: {frequency_text(shaft)} by the whole crankshaft, "
+        f"{frequency_text(chain)} by the chain"
     )
-    shown = {name: f"{by:+.1f}" for name, by in steps.items() if abs(by) >= least}
-    if not shown:
+    large = {name: round(by, 1) for name, by in steps.items() if abs(by) >= least}
+    if not large:
         return text
     difference = round(round(shaft, 1) - round(chain, 1), 1)
-    rest = difference - sum(map(float, shown.values()))
-    told = [f"{name} {by} Hz" for name, by in shown.items()]
+    rest = difference - sum(large.values())
     if abs(rest) >= least:
-        told.append(f"rounding and smaller steps {rest:+.1f} Hz")
-    return f"{text} ({difference:+.1f} Hz, step by step: {', '.join(told)})"
+        large["rounding and smaller steps"] = rest
+    each = ", ".join(f"{name} {_change(by)}" for name, by in large.items())
+    return f"{text} ({_change(difference)}, step by step: {each})"
+
+
+def _change(by: float) -> str:
+    """Write the change of a frequency [Hz]."""
+    return amount(by, "Hz", decimals=1, signed=True)
 
 
 def tilted_mode(
     kind: str, mode: int, without: float, frequencies: Sequence[float], passed: bool
 ) -> str:
     """State to which frequencies [Hz] the flywheel's diametral inertia moves a mode."""
-    listed = " and ".join(f"{frequency:.1f}" for frequency in frequencies)
+    moved = listed(frequencies, "Hz", between=" and ", decimals=1)
     below = " (which brings another mode below it)" if passed else ""
-    return f"{kind} mode {mode} from {without:.1f} Hz without to {listed} Hz with it{below}"
+    return f"{kind} mode {mode} from {frequency_text(without)} without to {moved} with it{below}"
 
 
 def flywheel_tilts(inertia: float, half: bool, moved: Sequence[str]) -> str:
     """State the flywheel's diametral inertia [kg m^2], half of the polar one or not, and what it moves."""
     about = ", half of that about the shaft" if half else ""
+    least = amount(0.05, "Hz")
     return (
-        f"The last step is the flywheel's inertia about a diameter ({significant(inertia, 3)} kg m^2{about}"
-        f"); it moves {', '.join(moved) or 'the first frequencies by less than 0.05 Hz'}. In another order "
-        "the steps share the same difference otherwise."
+        "The last step is the flywheel's inertia about a diameter "
+        f"({amount(inertia, 'kg m^2', 3, zeros=True)}{about}); it moves "
+        f"{joined(', ', moved) or f'the first frequencies by less than {least}'}. In another order the steps "
+        "share the same difference otherwise."
     )
 
 
@@ -404,7 +417,7 @@ def differing_chains(differences: Sequence[str], kind: str) -> str:
     which = "which are" if len(differences) > 1 else f"of which the {kind} one is"
     return (
         f"The verdict uses lumped models (chains), {which} inadequate here; the whole crankshaft differs: "
-        f"{'; '.join(differences)}."
+        f"{joined('; ', differences)}."
     )
 
 
@@ -450,6 +463,7 @@ def without_propeller(node: str) -> str:
 
 def differing_amplitude(kind: str, shaft: str, chain: str) -> str:
     """State both amplitudes of the free end."""
+    shaft, chain = kept(shaft), kept(chain)
     return f"largest {kind} amplitude of the free end at running speeds {shaft} instead of {chain}"
 
 
@@ -460,14 +474,16 @@ def differing_mode(
     if shaft is None:
         return f"it has no mode like {kind} mode {mode}"
     if divided:
-        both = " and ".join(f"{frequency:.1f}" for frequency in divided)
-        return f"two modes at {both} Hz instead of {kind} mode {mode} at {chain:.1f} Hz"
-    return f"{kind} mode {mode} at {shaft:.1f} instead of {chain:.1f} Hz"
+        both = listed(divided, "Hz", between=" and ", decimals=1)
+        return f"two modes at {both} instead of {kind} mode {mode} at {frequency_text(chain)}"
+    both = listed((shaft, chain), "Hz", between=" instead of ", decimals=1)
+    return f"{kind} mode {mode} at {both}"
 
 
 def impure_mode(kind: str, shaft: float | None, share: float) -> str:
     """State the share of its energy that is of a kind."""
-    return f"its {kind} mode at {shaft:.1f} Hz is only {percent(share, 3)} % {kind}"
+    at = "none" if shaft is None else frequency_text(shaft)
+    return f"its {kind} mode at {at} is only {percent(share, 3)} % {kind}"
 
 
 def whole_use(
@@ -482,18 +498,33 @@ def whole_use(
     return (
         f"The whole crankshaft held against the same limits{told}: {use}"
         f"{f' (by the chains {beside})' if beside else ''}; with the values used, {verdict}, "
-        f'"{status}"{"".join(f" ({shown})" for shown in ranges)}.'
+        f'"{status}"{"".join(f" ({kept(shown)})" for shown in ranges)}.'
     )
 
 
-def by_one_model(by_chains: bool, further: str) -> str:
+def by_one_model(by_chains: bool) -> str:
     """State that a verdict is acceptable by the chains alone, or by the whole crankshaft alone."""
     by = ("the lumped model", "the whole crankshaft")
     yes, no = by if by_chains else by[::-1]
     return (
         f"acceptable by {yes}, not by {no}: rely on the whole crankshaft, and give bearings.stiffness and "
-        f"flywheel.diametral_inertia, which decide its modes{f'; {further}' if further else ''}"
+        "flywheel.diametral_inertia, which decide its modes"
     )
+
+
+def _frequencies(values: FloatArray) -> str:
+    """Write the range of frequencies [Hz]."""
+    low, high = (round(float(end), 1) for end in (np.nanmin(values), np.nanmax(values)))
+    return (
+        frequency_text(low)
+        if low == high
+        else listed((low, high), "Hz", between=" to ", decimals=1)
+    )
+
+
+def stiffness_range(lowest: float, highest: float) -> str:
+    """Write a range of stiffness [N/m] into a sentence."""
+    return listed((lowest, highest), "N/m", 3, " to ")
 
 
 def _range_of(values: FloatArray, form: str) -> str:
@@ -513,13 +544,13 @@ def first_frequencies(
     The mode is the crankshaft's own first, with its number in the chain.
     """
     moved = [
-        f"{_range_of(curve, '.1f')} Hz by the {by}"
+        f"{_frequencies(curve)} by the {by}"
         for by, curve in (("chain", chain), ("whole crankshaft", shaft))
         if curve is not None and np.any(np.isfinite(curve))
     ]
     if not moved:
         return ""
-    parts = " and ".join(f"{_range_of(curve, '.1f')} Hz" for curve in others)
+    parts = " and ".join(map(_frequencies, others))
     return (
         f"{_own_first(kind, mode)} {', '.join(moved)}"
         f"{f'; modes that are {kind} in part: {parts}' if parts else ''}"
@@ -535,8 +566,8 @@ def _own_first(kind: str, mode: int) -> str:
 def over_bearings(lowest: float, highest: float, assumed: bool, frequencies: Iterable[str]) -> str:
     """State the range of the main bearings' stiffness [N/m] and what first frequencies do over it."""
     return (
-        f"Main bearings of {compact(lowest)} to {compact(highest)} N/m{' (assumed)' if assumed else ''}: "
-        f"{'; '.join(filter(None, frequencies))}."
+        f"Main bearings of {stiffness_range(lowest, highest)}{' (assumed)' if assumed else ''}: "
+        f"{joined('; ', filter(None, frequencies))}."
     )
 
 
@@ -556,8 +587,12 @@ def limits_over_bearings(
     starts = [place for place in places if place == 0 or statuses[place] != statuses[place - 1]]
     ends = [*(start - 1 for start in starts[1:]), len(statuses) - 1]
     told = ", ".join(
-        f'"{statuses[start]}" at {compact(stiffness[start])}'
-        f"{f' to {compact(stiffness[end])}' if end > start else ''} N/m"
+        f'"{statuses[start]}" at '
+        + (
+            stiffness_range(stiffness[start], stiffness[end])
+            if end > start
+            else amount(stiffness[start], "N/m", 3)
+        )
         for start, end in zip(starts, ends, strict=True)
     )
     change = (
@@ -574,7 +609,7 @@ def force_on_thrust_bearing(
     """State the axial force [N] on the thrust bearing over the cycle."""
     left_out = ", without the propeller's mean thrust" if mean_left_out else ""
     return (
-        f"Axial force on the thrust bearing at {RPM * speed:.4g} 1/min, with vibration: "
+        f"Axial force on the thrust bearing at {at_speed(speed)}, with vibration: "
         f"{_forces(lowest, highest)} over the cycle by the axial chain, positive towards the "
         f"flywheel{left_out}."
     )
@@ -583,7 +618,7 @@ def force_on_thrust_bearing(
 def largest_thrust(by_model: Mapping[str, tuple[float, float]]) -> str:
     """State amplitude [N] and speed of the largest force on the thrust bearing, by each model's name."""
     largest = "; ".join(
-        f"{force / 1e3:.3g} kN by the {model}, at {RPM * speed:.4g} 1/min"
+        f"{amount(force, 'N', 3, shown='kN')} by the {model}, at {at_speed(speed)}"
         for model, (force, speed) in by_model.items()
     )
     return f"Its largest amplitude at running speeds, for which the bearing is to be checked: {largest}."
@@ -593,13 +628,13 @@ def force_on_held_ends(speed: float, lowest: float, highest: float) -> str:
     """State the axial force [N] on held ends over the cycle."""
     return (
         "For comparison with static formulas only: with both ends of the crankshaft held and no vibration, "
-        f"the ends would carry {_forces(lowest, highest)} over the cycle at {RPM * speed:.4g} 1/min, "
+        f"the ends would carry {_forces(lowest, highest)} over the cycle at {at_speed(speed)}, "
         "positive where the shaft pushes them apart. A single thrust bearing carries none of this force."
     )
 
 
 def _forces(lowest: float, highest: float) -> str:
-    return f"{lowest / 1e3:.3g} kN to {highest / 1e3:.3g} kN"
+    return " to ".join(amount(force, "N", 3, shown="kN") for force in (lowest, highest))
 
 
 def cylinders_named(cylinders: Sequence[int]) -> str:
@@ -609,8 +644,7 @@ def cylinders_named(cylinders: Sequence[int]) -> str:
 
 def amount_at(value: float, unit: str, speed: float) -> str:
     """Write the value of a quantity, and its speed [rad/s]."""
-    amount = "unbounded" if np.isinf(value) else format_quantity(value, unit, 3)
-    return f"{amount} at {speed_text(speed)}"
+    return f"{amount(value, unit, 3)} at {at_speed(speed)}"
 
 
 def use_while_misfiring(limit: str, cylinders: Sequence[int], use: str, normal: str) -> str:
@@ -620,14 +654,15 @@ def use_while_misfiring(limit: str, cylinders: Sequence[int], use: str, normal: 
 
 def normal_share(used: float, permitted: float, beside: float, unit: str) -> str:
     """Write the share of a limit used, with the limit where another one stands beside it; inf for none."""
-    shown, other = (format_quantity(value, unit, 3) for value in (permitted, beside))
-    return f", {format_usage(used)}{'' if shown == other else f' of the permitted {shown}'}"
+    shown, other = (amount(value, unit, 3) for value in (permitted, beside))
+    same = written(shown) == written(other)
+    return f", {format_usage(used)}{'' if same else f' of the permitted {shown}'}"
 
 
 def other_limit(value: float, other: float, unit: str, basis: str) -> str:
     """Write the share of the limit that does not decide, and on what basis that for passing does."""
     share = "" if np.isinf(value) else f"{format_usage(value / other)} of "
-    shown = f"{share}the {format_quantity(other, unit, 3)}"
+    shown = f"{share}the {amount(other, unit, 3)}"
     if basis:
         return (
             f" for passing, which serves while a cylinder misfires by {basis}, {shown} permitted "
@@ -638,8 +673,8 @@ def other_limit(value: float, other: float, unit: str, basis: str) -> str:
 
 def exceeded_alone(use: str, kept_at: float | None, reasons: str) -> str:
     """State what misfiring alone exceeds, and why; normal firing keeps the limit at that speed [rad/s]."""
-    kept = "" if kept_at is None else f", but within its limit at {speed_text(kept_at)}"
-    return f"{use}{kept}: exceeded by misfiring alone. {reasons[0].upper()}{reasons[1:]}."
+    within = "" if kept_at is None else f", but within its limit at {at_speed(kept_at)}"
+    return f"{use}{within}: exceeded by misfiring alone. {capital(reasons)}."
 
 
 def speeds_while_misfiring(
@@ -647,11 +682,13 @@ def speeds_while_misfiring(
 ) -> str:
     """State where limits are exceeded while cylinders misfire, those named or any, and where to run then."""
     who = cylinders_named(cylinders) if cylinders else "a cylinder"
-    return f"While {who} misfires, limits are exceeded from {_ranges(exceeded)}: {restriction}."
+    return (
+        f"While {who} misfires, limits are exceeded from {_ranges(exceeded)}: {kept(restriction)}."
+    )
 
 
 def _ranges(ranges: SpeedRanges) -> str:
-    shown = [shown_range(low, high) for low, high in ranges]
+    shown = [speed_range(low, high) for low, high in ranges]
     return " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
 
 
@@ -675,18 +712,16 @@ def misfiring_assumed(
     )
 
 
-def undecided_sentence(why: str) -> str:
-    """State that a verdict is undecided, and why."""
-    return f"{VERDICTS['undecided']}: {why}."
-
-
-def conclusion_sentence(verdict: str, deciding: str, undecided: bool) -> str:
-    """Join the sentence of a verdict, with the values used, and what decides by assumption, if anything."""
+def conclusion_sentences(
+    verdict: Sequence[str], deciding: Sequence[str], undecided: bool
+) -> tuple[str, ...]:
+    """Join the sentences of a verdict, with the values used, and what decides by assumption, if anything."""
+    why = joined("; ", deciding)
     if undecided:
-        return f"{undecided_sentence(deciding)} With the values used, {verdict[0].lower()}{verdict[1:]}"
-    return (
-        f"{verdict} It depends on assumed or uncertain values: {deciding}." if deciding else verdict
-    )
+        first, *further = map(kept, verdict)
+        used = f"With the values used, {first[0].lower()}{first[1:]}"
+        return (f"{VERDICTS['undecided']}: {why}.", used, *further)
+    return (*verdict, *([f"It depends on assumed or uncertain values: {why}."] if why else ()))
 
 
 def values_sentence(
@@ -700,11 +735,11 @@ def values_sentence(
     texts = [f"{text} ({used})" if place == taken else text for place, text in enumerate(shown)]
     turns = [place for place in range(1, len(holds)) if holds[place] != holds[place - 1]]
     named = range(turns[0] - 1, turns[0] + 1) if len(turns) == 1 else range(len(holds))
-    kept, lost = (
+    holding, failing = (
         " or ".join(texts[place] for place in named if holds[place] == side)
         for side in (True, False)
     )
     beside = "" if taken is None or taken in named else f" ({shown[taken]} {used})"
     remedy = f"within {why}, set by" if why else "give"
     article = "an" if name[0] in "aeiou" else "a"
-    return f"{article} {name} of {kept}, not with {lost}{beside}: {remedy} {field}"
+    return f"{article} {name} of {holding}, not with {failing}{beside}: {remedy} {field}"

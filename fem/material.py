@@ -3,7 +3,7 @@
 from typing import ClassVar
 
 from crankbase.model import InputModel, quantity_field
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 
 # Young's modulus over density of metals of crankshafts, gray iron to steel, with a margin [m^2/s^2].
 SPECIFIC_MODULUS = (1.0e7, 4.0e7)
@@ -59,11 +59,14 @@ class Material(InputModel):
         specific = self.youngs_modulus / self.density
         if SPECIFIC_MODULUS[0] <= specific <= SPECIFIC_MODULUS[1]:
             return None
-        modulus = f"{self.youngs_modulus / 1e9:g} GPa"
+        modulus, steel = (
+            amount(value, "Pa", shown="GPa") for value in (self.youngs_modulus, 2.1e11)
+        )
+        density, of_steel = (amount(value, "kg/m^3") for value in (self.density, 7850.0))
         odd = "low" if specific < SPECIFIC_MODULUS[0] else "high"
         return (
-            f"material.youngs_modulus: {modulus} is {odd} for {format_quantity(self.density, 'kg/m^3')}; "
-            "steel has 210 GPa at 7850 kg/m^3, and other metals of crankshafts a like ratio: check both"
+            f"material.youngs_modulus: {modulus} is {odd} for {density}; steel has {steel} at {of_steel}, "
+            "and other metals of crankshafts a like ratio: check both"
         )
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError
 from crankbase.input_file import not_a_file
+from crankbase.sentences import with_sentences
 from crankbase.summaries import summarized
 from geometry.gmsh_session import IsolatedProcess, gmsh_errors, gmsh_session, shared_process
 from geometry.mesh import (
@@ -57,6 +58,7 @@ TIME_LIMIT = 300.0
 MOST_NAMES = 20
 
 
+@with_sentences
 @summarized("path", "length [m]", "pins", "volume [m^3]", "remarks")
 @dataclass(frozen=True)
 class ImportedThrow:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 from geometry.gmsh_session import curvature_radius, middle_point
 from geometry.imported import PLACE_TOLERANCE, ImportedThrow, RequestedFaces, opened_part
 from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
@@ -261,7 +261,7 @@ class _Recognition:
         shift = 0.0 - self._low  # not minus zero
         if turn != 0.0:
             self._remarks.append(
-                f"The part was turned by {math.degrees(turn):.6g} deg about the shaft axis, so that its "
+                f"The part was turned by {amount(turn, 'rad')} about the shaft axis, so that its "
                 "first pin points to +y."
             )
         row = [self._journals[0], *self._pins, self._journals[1]]
@@ -405,9 +405,9 @@ class _Recognition:
                 "pins: given a part without a round cylinder parallel to z beside the z axis; allowed is "
                 "a throw with a crankpin."
             )
-        sizes = [(format_quantity(2.0 * item.radius, "m"), item.axis) for item in rounds]
         where = "; ".join(
-            f"diameter {size} at {format_quantity(math.hypot(*axis), 'm')}" for size, axis in sizes
+            f"diameter {amount(2.0 * item.radius, 'm')} at {amount(math.hypot(*item.axis), 'm')}"
+            for item in rounds
         )
         self._remarks.append(
             f"The pins were found by shape, as round cylinders beside the shaft axis: {where}."

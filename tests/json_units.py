@@ -24,6 +24,8 @@ def unit_key(units, path):
 def _walk(content, path, around, units, places=()):
     if isinstance(content, dict):
         for name, own in content.items():
+            if name == "said":  # values of sentences, each beside its unit
+                continue
             yield from _walk(own, (*path, name), (content, *around), units)
     elif isinstance(content, list):
         for place, own in enumerate(content):

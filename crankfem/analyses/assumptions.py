@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 from crankbase.model import field_extra
 from crankbase.quantity import compact, format_quantity
+from crankbase.sentences import amount
 from crankfem.analyses.shaft.chains import flywheel_overhang
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import SECTIONS
@@ -41,7 +42,7 @@ EFFECTS = {
     "damping.axial_magnifier": AT_RESONANCE,
     "damping.bending_magnifier": AT_RESONANCE,
     "limits.tensile_strength": "; ".join(
-        f"{strength / 1e6:g} MPa permits "
+        f"{amount(strength, 'Pa')} permits "
         f"{crankshaft_material_factors(strength, BASE_YIELD, alloy=alloy)[0]:.3g} times as much"
         for alloy, strength in CRANKSHAFT_STRENGTHS.items()
     ),

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
+from crankbase.sentences import finished, kept
 from crankfem.files.engine.engine_file import EngineFile, load_engine, load_mechanism
 from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.full_load import by_gas
@@ -51,12 +52,11 @@ def input_warnings(engine_file: EngineFile) -> tuple[str, ...]:
     if material is not None:
         warnings.append(material)
     if power is not None and not power.consistent:
-        warnings.append(f"engine.rated_power: {power.sentence[0].lower()}{power.sentence[1:]}")
+        text = kept(power.sentence)
+        warnings.append(f"engine.rated_power: {text[0].lower()}{text[1:]}")
     scale = EngineScale(engine_file)
-    return (
-        *(*warnings, *size_warnings(engine_file)),
-        *(*part_warnings(scale), *table_warnings(scale)),
-    )
+    warnings += [*size_warnings(engine_file), *part_warnings(scale), *table_warnings(scale)]
+    return tuple(map(finished, warnings))
 
 
 def with_throws(

@@ -10,6 +10,7 @@ import numpy as np
 
 from crankbase.model import field_extra
 from crankbase.results import Quantity, Result, Speed, made_from, result
+from crankbase.sentences import with_sentences
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.engine_mechanism import input_warnings, load_any
 from crankfem.analyses.record import Record, attributes
@@ -118,6 +119,7 @@ class Dimension(Result):
     value: Annotated[float, Quantity("m")]
 
 
+@with_sentences
 @dataclass(frozen=True)
 class CheckedFile:
     """A valid file, and how it is understood.

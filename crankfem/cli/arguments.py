@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.input_file import STEP_ENDINGS
 from crankbase.model import limits_of, range_text
 from crankbase.quantity import format_quantity, parse_quantity
+from crankbase.sentences import amount
 from crankfem.cli import console
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
@@ -241,9 +242,9 @@ def dimensions_text(
     model: "ComplianceModel | Searched", dimensions: Mapping[str, float | str]
 ) -> list[str]:
     """Write dimensions as NAME = VALUE."""
-    show = model.family.format_value
+    unit = model.family.unit
     return [
-        f"{name} = {value if isinstance(value, str) else show(name, value)}"
+        f"{name} = {value if isinstance(value, str) else amount(value, unit(name))}"
         for name, value in dimensions.items()
     ]
 

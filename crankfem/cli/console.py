@@ -19,6 +19,7 @@ from rich.text import Text
 
 from crankbase.errors import InputError, first_sentences, visible, with_short_quotes
 from crankbase.quantity import split_quantity
+from crankbase.sentences import kept
 from crankbase.table import SI, Main, OutputUnits, Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.cli.layout import Line, legend, short_ways, table_lines, wrapped
@@ -108,7 +109,7 @@ def print_warning(text: str) -> None:
 def print_warnings(warnings: Iterable[str], units: OutputUnits = SI) -> None:
     """Print what looks wrong in the input, each as a warning."""
     for warning in warnings:
-        print_warning(units.text(f"{warning.rstrip('.')}."))
+        print_warning(units.written(f"{kept(warning).rstrip('.')}."))
 
 
 def print_note(text: str, quiet: bool = False) -> None:

@@ -7,17 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankbase.quantity import RPM, UNBOUNDED, format_usage, percent, quantities_apart, significant
+from crankbase.quantity import format_usage, percent
+from crankbase.sentences import amount, apart, finished, joined, kept
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.report.text_filters import (
     check_limit_text,
     check_value_text,
-    quantity,
-    range_sentence,
     sentence,
-    with_three_digits,
 )
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
@@ -45,8 +43,8 @@ def headline(vibration: EngineVibration, strength: "EngineStrength | None" = Non
     """Return the verdict of a run in a few words."""
     words = _of_vibration(vibration)
     if too_weak(strength) and verdict_status(vibration) != "not acceptable":
-        return f"{words}; the crankshaft is not strong enough by UR M53"
-    return words
+        words = f"{words}; the crankshaft is not strong enough by UR M53"
+    return finished(words)
 
 
 def verdict_status(vibration: EngineVibration) -> str:
@@ -66,7 +64,7 @@ def _of_vibration(vibration: EngineVibration) -> str:
     assessment, status = vibration.assessment, verdict_status(vibration)
     if assessment is None:
         return VERDICTS[status]
-    words, end = assessment.verdict.headline, ""
+    words, end = kept(assessment.verdict.headline), ""
     if status == "undecided":
         words = f"{words} with the values used"
         end = f"; {_why_undecided(assessment)}"
@@ -113,89 +111,120 @@ def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" =
         of = ". With all cylinders firing"
     elif too_weak(strength) and status != "not acceptable":
         of = ". Vibration"
-    return f"Verdict: {headline(vibration, strength)}{of}: {check.limit.name} {used}."
+    shown = kept(headline(vibration, strength))
+    return finished(f"Verdict: {shown}{of}: {check.limit.name} {used}.")
 
 
 # Of the report's first screen.
 MOST_FINDINGS, MOST_RANGES = 3, 2
-# A section of the report and a statement.
-Statement = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What follows from the results of a run.
+
+    Attributes
+    ----------
+    about : str
+        What it is about, in a word or two.
+    section : str
+        That of the report which has it in full.
+    weight : int
+        How much it counts where there is room for few.
+    long : tuple of str
+        Its sentences.
+    short : tuple of str
+        What a first screen says of it, a statement each, the main one first; nothing if that stands there
+        otherwise.
+    rests_on : tuple of str
+        What it rests on: limits with their places, checks, or fields of the input.
+    """
+
+    about: str
+    section: str
+    weight: int
+    long: tuple[str, ...]
+    short: tuple[str, ...] = ()
+    rests_on: tuple[str, ...] = ()
 
 
 def conclusions(results: "RunResults") -> list[str]:
-    """Return the statements of `findings`."""
-    return [text for _, text in findings(results)]
+    """Return `findings` in full, but for those about checks."""
+    found = [finding for finding in findings(results) if finding.long]
+    return [finished(joined(" ", each.long)) for each in found if each.section != "checks"]
 
 
-def findings(results: "RunResults") -> list[Statement]:
-    """Return what follows from the results of a run, in at most eight statements.
+def main_findings(results: "RunResults") -> list[tuple[Finding, str]]:
+    """Return the main statements in short, each with its finding, the one that counts most first."""
+    ranked = sorted(findings(results), key=lambda finding: -finding.weight)
+    return [(finding, text) for finding in ranked for text in finding.short][:MOST_FINDINGS]
 
-    Every number of a statement is one of the results, or follows from them as the statement says.
+
+def findings(results: "RunResults") -> list[Finding]:
+    """Return what follows from the results of a run.
+
+    Every number of a finding is one of the results, or follows from them as the finding says.
 
     Returns
     -------
-    list of tuples of two str
-        The report's section of each, and the statement: what looks wrong in the input, what is reached of
-        the limit that decides and where, how the whole crankshaft differs, which orders make it, what can
-        help, which speeds may be barred, what misfiring does, what decides by assumption and should be given
-        (before the limits if the verdict is undecided), what the models leave open, and whether the
-        crankshaft is strong enough.
+    list of Finding
+        What looks wrong in the input, what is reached of the limit that decides and where, how the whole
+        crankshaft differs, which orders make it, what can help and which speeds may be barred, what
+        misfiring does, what decides by assumption and should be given (before the limits if the verdict is
+        undecided), what the models leave open, whether the crankshaft is strong enough, and which checks
+        fail.
     """
     assessment = results.vibration.assessment
-    if assessment is None:
-        return [("inputs", text) for text in (*_warned(results), *_without_forces(results))]
-    # What decides comes first.
-    assumed, open_ = " ".join(_assumed(results, assessment)), assessment.undecided
-    remedy = _remedy(results, assessment.verdict.deciding)
-    found = [
-        *(("inputs", text) for text in _warned(results)),
-        ("inputs", assumed if open_ else ""),
-        ("limits", _reached(assessment)),
-        ("whole", _by_whole(results.vibration, assessment)),
-        ("limits", " ".join(filter(None, (_cause(assessment), remedy.sentence if remedy else "")))),
-        ("limits", " ".join(_ranges(assessment))),
-        ("limits", _misfiring(results.vibration)),
-        ("inputs", "" if open_ else assumed),
-        ("whole", _other_models(results.vibration, assessment)),
-        ("strength", " ".join(own.sentence for own in (results.strength, results.fatigue) if own)),
+    found = [] if assessment is None else _of_assessment(results, assessment)
+    made = [*_warned(results), *(_without_forces(results) if assessment is None else found)]
+    return [
+        replace(finding, long=_finished(finding.long), short=_finished(finding.short))
+        for finding in made
+        if any(finding.long + finding.short)
     ]
-    return [statement for statement in found if statement[1]]
 
 
-def main_findings(results: "RunResults") -> list[tuple[str, str, str]]:
-    """Return the main findings in short: what each is about, the section that has it in full, the statement.
+def _finished(texts: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(finished(kept(text)) for text in texts if text)
 
-    A calculation that fails its checks, a shaft that is too weak, why the worst amplitude is reached, what
-    can be done, and what is assumed.
-    """
-    assessment, strength = results.vibration.assessment, results.strength
-    if assessment is None:
-        calculated, count, *_, wanted = _without_forces(results)
-        found = [("Input", "inputs", text) for text in _warned(results)]
-        found += [("Critical speeds", "campbell", count), ("What helps", "inputs", wanted)]
-        return [*found, ("Why", "inputs", calculated)][:MOST_FINDINGS]
-    cause = assessment.verdict.deciding.cause
-    weak = strength is not None and too_weak(strength)
-    # What decides by assumption first, of several fields the first one; how many are assumed is on a tile.
-    assumed = [text for text in _assumed(results, assessment) if not text[0].isdigit()]
-    assumed[:1] = [sentence(text.partition(";")[0]) for text in assumed[:1]]
+
+def _of_assessment(results: "RunResults", assessment: Assessment) -> list[Finding]:
+    """Return what follows from an assessment; what decides comes first."""
+    check, strength = assessment.verdict.deciding, results.strength
+    place = (limit_at(check.limit.name, check.place),)
     failed, wrong = failed_checks(results.checks), _calculation_fails(results.checks)
-    found = [
-        ("Checks", "checks", failed if wrong else ""),
-        ("Strength", "strength", strength.sentence if strength is not None and weak else ""),
-        ("Why", "limits", _main_cause(assessment) if cause is not None and cause.parts else ""),
-        ("What helps", "limits", _measures(results, assessment)),
-        *(("Input", "inputs", text) for text in _warned(results)),
-        *(("Assumed", "inputs", text) for text in assumed),
-        ("Checks", "checks", "" if wrong else failed),
+    names = tuple(check.name for check in results.checks if check.met is False)
+    strong = tuple(own.sentence for own in (strength, results.fatigue) if own)
+    weak = (strength.sentence,) if strength is not None and too_weak(strength) else ()
+    remedy = _remedy(results, check)
+    helps = (*([remedy.sentence] if remedy else []), *_ranges(assessment))
+    assumed = Finding(
+        "Assumed",
+        "inputs",
+        2,
+        (*_assumed(results, assessment), *_counted(results)),
+        _assumed(results, assessment, reasons=1),
+        tuple(dict.fromkeys(trial.field for trial in assessment.decision.trials)),
+    )
+    misfires = (_misfiring(results.vibration),)
+    return [
+        *([assumed] if assessment.undecided else []),
+        Finding("Limits", "limits", 0, (_reached(assessment),), (), place),
+        Finding("Whole crankshaft", "whole", 0, _by_whole(results.vibration, assessment)),
+        Finding("Why", "limits", 5, (_cause(assessment),), (_main_cause(assessment),), place),
+        Finding("What helps", "limits", 4, helps, (_measures(results, assessment),), place),
+        Finding("Misfiring", "limits", 0, misfires),
+        *([] if assessment.undecided else [assumed]),
+        Finding("Models", "whole", 0, _other_models(results.vibration, assessment)),
+        Finding("Strength", "strength", 6, strong, weak, ("strength",)),
+        Finding("Checks", "checks", 7 if wrong else 1, (failed,), (failed,), names),
     ]
-    told = [(label, section, with_three_digits(text)) for label, section, text in found if text]
-    return told[:MOST_FINDINGS]
 
 
 def _main_cause(assessment: Assessment) -> str:
     check = assessment.verdict.deciding
-    assert check.cause is not None
+    if check.cause is None or not check.cause.parts:
+        return ""
     if math.isinf(check.worst_value):
         return _cause(assessment)
     return shares_of_peak(check.worst_speed, check.cause.main_shares[:2])
@@ -218,8 +247,8 @@ def _measures(results: "RunResults", assessment: Assessment) -> str:
 
 
 def speed_shown(speed: float) -> str:
-    """Write a speed [rad/s] with the digits of a report."""
-    return f"{significant(speed * RPM, DIGITS)} 1/min"
+    """Write a speed [rad/s] into a sentence, with the digits of a report."""
+    return amount(speed, "rad/s", DIGITS, zeros=True)
 
 
 def reached_and_permitted(use: LimitUse, unit: str) -> tuple[str, str]:
@@ -227,12 +256,10 @@ def reached_and_permitted(use: LimitUse, unit: str) -> tuple[str, str]:
 
     Examples
     --------
-    >>> reached_and_permitted(LimitUse(100.0, 22.28e6, 22.27e6), "Pa")
+    >>> tuple(map(finished, reached_and_permitted(LimitUse(100.0, 22.28e6, 22.27e6), "Pa")))
     ('22.28 MPa', '22.27 MPa')
     """
-    if math.isinf(use.value):
-        return UNBOUNDED, quantity(use.permitted, unit, DIGITS)
-    return quantities_apart(use.value, use.permitted, unit, DIGITS)
+    return apart(use.value, use.permitted, unit, DIGITS)
 
 
 def _reached(assessment: Assessment) -> str:
@@ -257,7 +284,7 @@ def _cause(assessment: Assessment) -> str:
     check = assessment.verdict.deciding
     if check.cause is None:
         return ""
-    return sentence(f"at {speed_shown(check.worst_speed)}, {check.cause.reasons}")
+    return sentence(f"at {speed_shown(check.worst_speed)}, {kept(check.cause.reasons)}")
 
 
 def _share(use: LimitUse, unit: str, passing: bool = False) -> str:
@@ -269,14 +296,19 @@ def _share(use: LimitUse, unit: str, passing: bool = False) -> str:
     return f"{at}, {format_usage(use.used)} of the {of}"
 
 
-def _ranges(assessment: Assessment) -> list[str]:
-    return [f"{range_sentence(span)}." for span in assessment.verdict.deciding_first]
+def _ranges(assessment: Assessment) -> tuple[str, ...]:
+    return tuple(f"{kept(span.sentence)}." for span in assessment.verdict.deciding_first)
 
 
-def _assumed(results: "RunResults", assessment: Assessment) -> list[str]:
-    """State what decides by assumption, which limits are assumed, what is not judged, and the load."""
-    vibration, inputs = results.vibration, results.inputs
-    decision = assessment.decision.sentence
+def _assumed(
+    results: "RunResults", assessment: Assessment, reasons: int | None = None
+) -> tuple[str, ...]:
+    """State what decides by assumption, which limits are assumed, what is not judged, and the load.
+
+    `reasons` is how many of those that decide are stated.
+    """
+    vibration = results.vibration
+    decision = joined("; ", assessment.decision.reasons[:reasons])
     if decision and misfiring_decides(vibration):
         decision = f"with all cylinders firing, {decision}"
     statements = [sentence(decision)] if decision else []
@@ -292,10 +324,13 @@ def _assumed(results: "RunResults", assessment: Assessment) -> list[str]:
         )
     if vibration.load is not None and not vibration.load.rated.consistent:
         statements.append(sentence(vibration.load.rated.sentence))
-    count = sum(record.assumed for record in inputs)
-    if count:
-        statements.append(f"{count} of {len(inputs)} inputs are assumed.")
-    return statements
+    return tuple(statements)
+
+
+def _counted(results: "RunResults") -> tuple[str, ...]:
+    """State how many inputs are assumed, if any."""
+    count = sum(record.assumed for record in results.inputs)
+    return (f"{count} of {len(results.inputs)} inputs are assumed.",) if count else ()
 
 
 def _axial_judged(assessment: Assessment) -> bool:
@@ -314,16 +349,15 @@ def _axial_amplitude(results: "RunResults") -> str:
     reached = forced.free_end_motion.synthesis[inside]
     worst = reached.size - 1 - int(np.argmax(reached[::-1]))
     axial, value = MOTION["axial"], float(reached[worst])
-    amplitude = UNBOUNDED if math.isinf(value) else f"{axial.number(value, DIGITS)} {axial.printed}"
-    rpm = float(forced.speeds[inside][worst]) * RPM
-    return f" ({amplitude} at the free end at {significant(rpm, DIGITS)} 1/min)"
+    amplitude = amount(value, axial.si, DIGITS, zeros=True, shown=axial.printed)
+    return f" ({amplitude} at the free end at {speed_shown(float(forced.speeds[inside][worst]))})"
 
 
 def _misfiring(vibration: EngineVibration) -> str:
     """State what misfiring does, or why it was not calculated."""
     misfiring = vibration.misfiring
     text = vibration.misfiring_note if misfiring is None else misfiring.sentence
-    return with_three_digits(sentence(text)) if text else ""
+    return sentence(text) if text else ""
 
 
 def failed_checks(checks: Sequence["Check"]) -> str:
@@ -355,13 +389,12 @@ def _calculation_fails(checks: Sequence["Check"]) -> bool:
     return any(check.met is False and check.allowed is not None for check in checks)
 
 
-def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
+def _by_whole(vibration: EngineVibration, assessment: Assessment) -> tuple[str, ...]:
     """State how the whole crankshaft differs from the chains, also in the force on the thrust bearing."""
     found, force = [*assessment.by_whole], vibration.thrust
     if found and force is not None and force.running and force.running_whole:
         chain, shaft = (
-            f"{quantity(largest.amplitude, 'N', DIGITS)} at "
-            f"{significant(largest.speed * RPM, DIGITS)} 1/min"
+            f"{amount(largest.amplitude, 'N', DIGITS)} at {speed_shown(largest.speed)}"
             for largest in (force.running, force.running_whole)
         )
         found.append(
@@ -381,21 +414,18 @@ def _by_whole(vibration: EngineVibration, assessment: Assessment) -> str:
         damping = worst.damping_ratio
         found.append(
             f"Its largest {kind} critical speed in the running range: order {worst.order:g} at "
-            f"{significant(worst.speed * RPM, DIGITS)} 1/min, "
-            f"{quantity(worst.value, worst.unit, DIGITS)} at {worst.place}"
+            f"{speed_shown(worst.speed)}, {amount(worst.value, worst.unit, DIGITS)} at {worst.place}"
             + (f", damping {percent(damping, 2)} %." if damping else ".")
         )
-    return with_three_digits(" ".join(found))
+    return tuple(found)
 
 
-def _other_models(vibration: EngineVibration, assessment: Assessment) -> str:
+def _other_models(vibration: EngineVibration, assessment: Assessment) -> tuple[str, ...]:
     """State what is not modeled, and whether the verdict hangs on the bearings."""
     bearings = vibration.bearings
     found = [*assessment.all_beside[len(assessment.by_whole) :]]
     found += bearings.sentences if bearings is not None and bearings.flips else ()
-    return with_three_digits(
-        " ".join(dict.fromkeys(found))
-    )  # the range of the bearings stands in both
+    return tuple(dict.fromkeys(found))  # the range of the bearings stands in both
 
 
 @dataclass(frozen=True)
@@ -480,31 +510,34 @@ def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:
     )
 
 
-def _warned(results: "RunResults") -> list[str]:
+def _warned(results: "RunResults") -> list[Finding]:
     """Name the input that looks wrong, and state how formulas were used as sources."""
-    warnings, chains = (
-        results.input_warnings,
-        (results.vibration.axial, results.vibration.torsional),
-    )
-    formulas = [sentence(chain.formula_note) for chain in chains if chain.formula_note]
-    fields = dict.fromkeys(warning.partition(":")[0] for warning in warnings)
-    if not fields:
-        return formulas
-    noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
-    checked = f"Check the input: {noun} about {', '.join(fields)} (report: Inputs and assumptions)."
-    return [checked, *formulas]
+    warnings = results.input_warnings
+    chains = (results.vibration.axial, results.vibration.torsional)
+    statements = [sentence(chain.formula_note) for chain in chains if chain.formula_note]
+    fields = tuple(dict.fromkeys(warning.partition(":")[0] for warning in warnings))
+    if fields:
+        noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
+        checked = f"Check the input: {noun} about {', '.join(fields)}"
+        statements.insert(0, f"{checked} (report: Inputs and assumptions).")
+    return [Finding("Input", "inputs", 3, (text,), (text,), fields) for text in statements]
 
 
-def _without_forces(results: "RunResults") -> list[str]:
+def _without_forces(results: "RunResults") -> list[Finding]:
     engine, vibration = results.engine, results.vibration
     count = len(vibration.axial.criticals) + len(vibration.torsional.criticals)
-    inputs = results.inputs
-    assumed = sum(record.assumed for record in inputs)
     one = count == 1
-    return [
+    calculated = (
         "Amplitudes and stresses are not calculated, so nothing can be compared with limits.",
+    )
+    counted = (
         f"{count} critical speed{'' if one else 's'} of orders up to {engine.highest_order:g} "
         f"{'is' if one else 'are'} in the running range.",
-        *([f"{assumed} of {len(inputs)} inputs are assumed."] if assumed else []),
-        "Add a section [gas] to the engine file to define the excitation.",
+    )
+    wanted = ("Add a section [gas] to the engine file to define the excitation.",)
+    return [
+        Finding("Why", "inputs", 0, calculated, calculated, ("gas",)),
+        Finding("Critical speeds", "campbell", 2, counted, counted),
+        Finding("Assumed", "inputs", 0, _counted(results)),
+        Finding("What helps", "inputs", 1, wanted, wanted, ("gas",)),
     ]

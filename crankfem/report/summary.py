@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankbase.quantity import RPM, format_number, format_usage, significant
-from crankbase.table import SI, Column, OutputUnits, Table
+from crankbase.quantity import format_usage, significant
+from crankbase.sentences import amount, finished, joined, kept, listed
+from crankbase.table import SI, Column, Main, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.vibration.assessment import Assessment, factor_range
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.analyses.vibration.tables import CriticalLine, critical_lines, speed_table
 from crankfem.files.engine.mechanism_cylinders import order_named
 from crankfem.report.conclusions import (
-    conclusions,
-    failed_checks,
+    DIGITS,
+    Finding,
     findings,
     headline,
     main_findings,
@@ -24,11 +25,10 @@ from crankfem.report.conclusions import (
     speed_shown,
     too_weak,
 )
-from crankfem.report.text_filters import quantity, with_three_digits
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.engine.layout import repeating_intervals
-from dynamics.wording import cylinders_named, limit_at, shown_range
+from dynamics.wording import at_speed, cylinders_named, limit_at, speed_range
 
 if TYPE_CHECKING:
     from crankfem.analyses.run_results import RunResults
@@ -64,7 +64,7 @@ def summary(results: "RunResults") -> Record:
             *("deciding", "torsional_stress", "torsional_campbell"),
         ),
         "findings": main_findings(results),
-        "found": _by_section([*findings(results), ("checks", failed_checks(results.checks))]),
+        "found": _by_section(findings(results)),
         "limits": [] if assessment is None else worst_of_each(assessment.verdict.checks),
         "frequencies": [_frequency(vibration, kind) for kind in KINDS],
         "uncertain": {}
@@ -79,10 +79,11 @@ def _misfiring_alone(vibration: EngineVibration) -> bool:
     return misfiring_decides(vibration) and not exceeded
 
 
-def _by_section(statements: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+def _by_section(each: Iterable[Finding]) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
-    for section, text in filter(all, statements):
-        found.setdefault(section, []).append(text)
+    for finding in each:
+        if finding.long:
+            found.setdefault(finding.section, []).append(finished(joined(" ", finding.long)))
     return found
 
 
@@ -105,10 +106,15 @@ def tiles(results: "RunResults") -> list[Record]:
         _assumed_inputs(results),
     )
     keys = ("label", "value", "details", "section", "mark")
-    return [dict(zip(keys, tile, strict=True)) for tile in made if tile is not None]
+    return [dict(zip(keys, _finished(tile), strict=True)) for tile in made if tile is not None]
 
 
 Tile = tuple[str, str, list[str], str, str]
+
+
+def _finished(tile: Tile) -> Tile:
+    label, value, details, section, mark = tile
+    return label, finished(value), list(map(finished, details)), section, mark
 
 
 def _deciding_use(assessment: Assessment) -> Tile:
@@ -129,25 +135,33 @@ def _deciding_use(assessment: Assessment) -> Tile:
 
 
 def _first_frequencies(vibration: EngineVibration) -> Tile:
-    values, details = [], []
+    values: list[float | None] = []
+    details = []
     for kind in KINDS[::-1]:
         modes = vibration.modes(kind)
         first, mode = modes.first_mode, modes.crankshaft_mode
-        values.append("none" if first is None else _hertz(first.frequency))
+        values.append(None if first is None else first.frequency)
         known = []
         if mode is not None and mode is not first:
-            known.append(f"{_hertz(mode.frequency)} Hz is the crankshaft's own first")
+            known.append(f"{_hertz(mode.frequency)} is the crankshaft's own first")
         if mode is not None and vibration.assessment is not None:
             bounds = vibration.assessment.uncertainty[kind].frequencies[mode.number - 1]
             known.append(_bounds(bounds.lowest, bounds.highest))
         if swept := _swept(vibration, kind):
             # Of a mode that is divided the part most alike; all stand with the mode shapes.
-            known.append(f"whole crankshaft {swept.partition(' and ')[0]}")
+            known.append(f"whole crankshaft {swept[0]}")
         if known:
             number = f" mode {mode.number}" if mode is not None and mode.number > 1 else ""
             details.append(f"{kind}{number} {'; '.join(known)}")
     label = "First torsional / axial frequency"
-    return label, f"{' / '.join(values)} Hz", details, "modes", ""
+    # With one unit behind both.
+    texts = [
+        "none"
+        if value is None
+        else amount(value, "Hz", 3, zeros=True, bare=value is not values[-1])
+        for value in values
+    ]
+    return label, " / ".join(texts), details, "modes", ""
 
 
 def _worst_critical(vibration: EngineVibration) -> Tile:
@@ -174,7 +188,8 @@ def _worst_critical(vibration: EngineVibration) -> Tile:
     if worst.passed(running):
         details.append("below the running range, passed on every start")
     if margin is not None:
-        reach = f"uncertainty range {speed_shown(margin.low).partition(' ')[0]} to {speed_shown(margin.high)}"
+        ends = listed((margin.low, margin.high), "rad/s", DIGITS, " to ", zeros=True)
+        reach = f"uncertainty range {ends}"
         left = f"margin {significant(100.0 * margin.margin, 2)} %" if margin.margin else "no margin"
         details.append(f"{left}; {reach}")
     return label, speed_shown(worst.speed), details, "campbell", ""
@@ -211,7 +226,7 @@ def _misfiring(vibration: EngineVibration) -> Tile | None:
     if misfiring.exceeded:
         count, span = len(misfiring.exceeded), (misfiring.exceeded[0][0], misfiring.exceeded[-1][1])
         parts = f"in {count} ranges " if count > 1 else ""
-        ends = with_three_digits(shown_range(*span))
+        ends = speed_range(*span)
         details[1:] = [f"at {speed_shown(reached.speed)}; limits are exceeded {parts}from {ends}"]
     over = "" if misfiring.passed else "over"
     return label, f"{format_usage(reached.used)} of a limit", details, "limits", over
@@ -262,21 +277,18 @@ def engine_facts(results: "RunResults") -> list[str]:
     engine, mechanism = results.engine, results.mechanism
     count = engine.cylinders
     arranged = "in V" if engine.v_engine else "in line"
-    lowest, highest, rated = (
-        format_number(speed * RPM, 4)
-        for speed in (engine.lowest_speed, engine.highest_speed, engine.rated_speed)
-    )
-    piston = significant(engine.mean_piston_speed, 3)
+    running = speed_range(engine.lowest_speed, engine.highest_speed)
+    piston = amount(engine.mean_piston_speed, "m/s", 3, zeros=True)
     facts = [
         f"{count} cylinder{'' if count == 1 else 's'} {arranged}, {engine.strokes}-stroke",
-        f"bore {quantity(engine.bore, 'm', 6)}, stroke {quantity(engine.stroke, 'm', 6)}",
-        f"{lowest} to {highest} 1/min, rated speed {rated} 1/min (mean piston speed {piston} m/s)",
+        f"bore {exactly(engine.bore, 'm')}, stroke {exactly(engine.stroke, 'm')}",
+        f"{running}, rated speed {at_speed(engine.rated_speed)} (mean piston speed {piston})",
     ]
     if mechanism is not None:
         sense, taken = (-1.0, " taken") if engine.driven_by else (1.0, "")
         facts.append(
-            f"indicated power {quantity(sense * mechanism.power, 'W', 3)}{taken}, mean indicated pressure "
-            f"{quantity(sense * mechanism.mean_indicated_pressure, 'Pa', 3)}"
+            f"indicated power {amount(sense * mechanism.power, 'W', 3)}{taken}, mean indicated pressure "
+            f"{amount(sense * mechanism.mean_indicated_pressure, 'Pa', 3)}"
         )
     if engine.driven_by:
         facts.append(
@@ -285,16 +297,21 @@ def engine_facts(results: "RunResults") -> list[str]:
     if count > 1:
         order = f"{order_named(engine.driven_by)} {'-'.join(map(str, engine.firing_order))}"
         facts.append(order + _firing(engine.firing_intervals_deg))
-    return facts
+    return list(map(finished, facts))
+
+
+def exactly(value: float, unit: str) -> str:
+    """Write a value that was given, with all of its digits."""
+    return amount(value, unit, exact=True)
 
 
 def _firing(intervals: Sequence[float]) -> str:
     """Say at which intervals an engine fires."""
     steps = repeating_intervals(intervals)
-    listed = ", ".join(f"{step:.4g}" for step in steps)
+    each = listed(np.radians(steps).tolist(), "rad", 4)
     if len(steps) == 1:
-        return f", evenly every {listed} deg"
-    return f", unevenly, at intervals of {listed} deg{' in turn' if len(steps) < len(intervals) else ''}"
+        return f", evenly every {each}"
+    return f", unevenly, at intervals of {each}{' in turn' if len(steps) < len(intervals) else ''}"
 
 
 def uncertain_sentence(vibration: EngineVibration, assessment: Assessment, kind: str) -> str:
@@ -304,43 +321,43 @@ def uncertain_sentence(vibration: EngineVibration, assessment: Assessment, kind:
         f"{spread.name} {factor_range(spread)} the value used" for spread in uncertain.spreads
     ]
     if vibration.bearings is not None:
-        spreads.append(vibration.bearings.stiffness_range)
+        spreads.append(kept(vibration.bearings.stiffness_range))
     sentence = f"Uncertainty of {kind} vibration: {'; '.join(spreads) or 'not known'}."
     first = vibration.modes(kind).crankshaft_mode
     if first is None:
-        return sentence
+        return finished(sentence)
     bounds = uncertain.frequencies[first.number - 1]
     reach = _bounds(bounds.lowest, bounds.highest)
     sentence += f" First natural frequency of the crankshaft itself {reach} by the chain"
     swept = _swept(vibration, kind)
-    return (
-        f"{sentence}, {swept} by the whole crankshaft over this stiffness."
-        if swept
-        else f"{sentence}."
-    )
+    if swept:
+        sentence += f", {' and '.join(swept)} by the whole crankshaft over this stiffness"
+    return finished(f"{sentence}.")
 
 
 def _bounds(lowest: float, highest: float) -> str:
-    low, high = _hertz(lowest), _hertz(highest)
-    return f"{low} Hz" if low == high else f"{low} to {high} Hz"
+    same = significant(lowest, DIGITS) == significant(highest, DIGITS)
+    ends = (lowest,) if same else (lowest, highest)
+    return listed(ends, "Hz", DIGITS, " to ", zeros=True)
 
 
-def _swept(vibration: EngineVibration, kind: str) -> str:
-    """First frequency of the whole crankshaft over the stiffness of its bearings; empty if not calculated."""
+def _swept(vibration: EngineVibration, kind: str) -> list[str]:
+    """First frequency of the whole crankshaft over the stiffness of its bearings; none if not calculated.
+
+    Of a mode that is divided, both parts, the part most alike first.
+    """
     swept = vibration.bearings
     if swept is None or kind not in swept.shaft:
-        return ""
+        return []
     modes = [swept.shaft[kind], *swept.further[kind]]
     known = [mode[np.isfinite(mode)] for mode in modes]
     if len(known[0]) < 2:
-        return ""
-    return " and ".join(
-        _bounds(float(min(frequency)), float(max(frequency))) for frequency in known
-    )
+        return []
+    return [_bounds(float(min(frequency)), float(max(frequency))) for frequency in known]
 
 
 def _hertz(value: float) -> str:
-    return significant(value, 3)
+    return amount(value, "Hz", DIGITS, zeros=True)
 
 
 @dataclass(frozen=True)
@@ -381,11 +398,13 @@ def worst_of_each(checks: Iterable[LimitCheck]) -> list[WorstPlace]:
     return places
 
 
-def summary_parts(results: "RunResults", units: OutputUnits = SI) -> Iterator[str]:
+def summary_parts(results: "RunResults", units: OutputUnits = SI) -> Iterator[Main]:
     """Return what follows from the results of a run, and what the engine is, in one line."""
-    for line in conclusions(results):
-        yield units.text(f"- {line}")
-    yield units.text(f"{results.engine.name}: {'; '.join(engine_facts(results))}.")
+    for finding in findings(results):
+        if finding.long and finding.section != "checks":
+            first, *further = (units.written(text, DIGITS) for text in finding.long)
+            yield Main(f"- {first}", *further)
+    yield Main(units.written(f"{results.engine.name}: {joined('; ', engine_facts(results))}."))
 
 
 # Critical speeds of each kind; --full and the report show more.
@@ -404,8 +423,8 @@ def worst_tables(vibration: EngineVibration, units: OutputUnits = SI) -> Iterato
             ),
             (Column("where", words=True), lambda worst: worst.check.place),
             (Column("at", "1/min", decimals=1), lambda worst: worst.use.speed),
-            (Column("reached"), lambda worst: units.text(_apart(worst)[0])),
-            (Column("permitted"), lambda worst: units.text(_apart(worst)[1])),
+            (Column("reached"), lambda worst: units.written(_apart(worst)[0])),
+            (Column("permitted"), lambda worst: units.written(_apart(worst)[1])),
             (Column("used", "%", 3), lambda worst: worst.use.used),
             main=True,
         )
@@ -427,7 +446,7 @@ def _frequency(vibration: EngineVibration, kind: str) -> Record:
     first, shown = modes.first_mode, modes.crankshaft_mode
     details = []
     if first is not None:
-        details.append(f"{significant(60.0 * first.frequency, 3)} 1/min, chain of the throws")
+        details.append(f"{speed_shown(2.0 * np.pi * first.frequency)}, chain of the throws")
     assessment, whole = vibration.assessment, vibration.whole_crankshaft
     if first is not None and assessment is not None:
         bounds = assessment.uncertainty[kind].frequencies[first.number - 1]
@@ -435,7 +454,7 @@ def _frequency(vibration: EngineVibration, kind: str) -> Record:
     if first is not None and first is not shown:
         details.append("a mode of coupling, damper or line")
     if shown is not None and first is not shown:
-        own = f"{_hertz(shown.frequency)} Hz"
+        own = _hertz(shown.frequency)
         if assessment is not None:
             bounds = assessment.uncertainty[kind].frequencies[shown.number - 1]
             own += f" ({_bounds(bounds.lowest, bounds.highest)})"
@@ -444,15 +463,16 @@ def _frequency(vibration: EngineVibration, kind: str) -> Record:
     if chain is not None and chain.modes:
         mode = chain.modes[0]
         alike = (mode.shaft_frequency, mode.further_frequency)
-        shaft = " and ".join(_hertz(frequency) for frequency in sorted(filter(None, alike)))
-        shaft = f"{shaft} Hz" if shaft else "no mode like it"
+        frequencies = sorted(filter(None, alike))
+        shaft = listed(frequencies, "Hz", DIGITS, " and ", zeros=True) or "no mode like it"
         # The range over the bearings is that of one mode, the one most alike.
-        swept = "" if mode.further_frequency else _swept(vibration, kind)
-        details.append(f"whole crankshaft in its bearings: {shaft}{f' ({swept})' if swept else ''}")
+        swept = [] if mode.further_frequency else _swept(vibration, kind)
+        over = f" ({' and '.join(swept)})" if swept else ""
+        details.append(f"whole crankshaft in its bearings: {shaft}{over}")
     return {
         "label": f"First {kind} frequency",
-        "value": "none" if first is None else f"{_hertz(first.frequency)} Hz",
-        "details": details,
+        "value": "none" if first is None else finished(_hertz(first.frequency)),
+        "details": list(map(finished, details)),
         "section": "",
         "mark": "",
     }

@@ -4,7 +4,7 @@ import datetime
 import math
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup, escape
 
@@ -20,9 +20,9 @@ from crankbase.quantity import (
     significant,
     tiny,
 )
+from crankbase.sentences import capital, has_values, joined, kept, written
 from crankbase.table import Table
 from crankfem.analyses.shaft.chains import MOTION
-from dynamics.assessment.barred_ranges import BarredRange
 
 if TYPE_CHECKING:
     from crankfem.analyses.mechanism.mechanism_results import BearingLoad
@@ -35,7 +35,8 @@ SOURCE_WORDS = {
     "given": "the engine file",
     "law": "the law",
 }
-UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
+# How books print units, each in one piece.
+SYMBOLS = {"um": "\N{MICRO SIGN}m", "m^2": "m²", "m^3": "m³", " ": "\N{NO-BREAK SPACE}"}
 FIELD = re.compile(r"\w+(?:\.\w+|_\w)")
 TABLE_DIGITS = 3
 DECIMALS = re.compile(r"(?<![\w.])(?P<whole>\d+)\.(?P<decimals>\d+)(?!\d| %)")
@@ -76,6 +77,7 @@ def sentence(text: str) -> str:
     >>> sentence("rod.inertia is not given")
     'rod.inertia is not given.'
     """
+    text = kept(text)
     first = text[:1] if FIELD.match(text) else text[:1].upper()
     return f"{first}{text[1:].removesuffix('.')}."
 
@@ -153,17 +155,16 @@ def head(text: str) -> Markup:
     >>> str(head("speed [1/min]"))
     'speed <span class="nowrap">[1/min]</span>'
     """
-    name, bracket, unit = text.replace("[um]", "[µm]").partition(" [")
-    return (
-        Markup('{} <span class="nowrap">[{}</span>').format(name, unit) if bracket else escape(text)
-    )
+    name, bracket, unit = text.partition(" [")
+    shown = Markup('{} <span class="nowrap">[{}</span>').format(name, with_symbols(unit))
+    return shown if bracket else escape(text)
 
 
 def table_cells(table: Table) -> list[list[str]]:
     """Write the cells of a table: numbers with three digits, but those that were given as they are."""
     return [
         [
-            text if column.words or column.digits is None else with_three_digits(text)
+            text if column.words or column.digits is None else _with_three_digits(text)
             for column, text in zip(table.columns, row, strict=True)
         ]
         for row in table.texts(
@@ -172,17 +173,12 @@ def table_cells(table: Table) -> list[list[str]]:
     ]
 
 
-def range_sentence(barred: BarredRange) -> str:
-    """Write whether a range of speeds may be barred or passed, and why not; without its full stop."""
-    return with_three_digits(barred.sentence)
-
-
-def with_three_digits(text: str) -> str:
+def _with_three_digits(text: str) -> str:
     """Cut the decimals of the numbers in a cell so that three digits stay; digits before the point stay.
 
     Examples
     --------
-    >>> with_three_digits("376.08"), with_three_digits("0.5522"), with_three_digits("24.51 MPa")
+    >>> _with_three_digits("376.08"), _with_three_digits("0.5522"), _with_three_digits("24.51 MPa")
     ('376', '0.552', '24.5 MPa')
     """
 
@@ -195,10 +191,25 @@ def with_three_digits(text: str) -> str:
     return DECIMALS.sub(cut, text).replace(" um", " \N{MICRO SIGN}m")
 
 
-def keep_units_together(text: str) -> str:
-    """Keep numbers and the units behind them on one line, and write these as books print them."""
-    printed = text.replace("m^2", "m²").replace("dm^3", "dm³").replace(" um", " \N{MICRO SIGN}m")
-    return UNIT_BEHIND.sub("\N{NO-BREAK SPACE}", printed)
+def printed(text: Any, most: int | None = TABLE_DIGITS) -> Any:
+    r"""Write the values of a text with so many digits, and each with its unit on one line, as books print it.
+
+    Examples
+    --------
+    >>> from crankbase.sentences import amount
+    >>> printed(f"The web of {amount(0.2704, 'm')} in the series of 500.0 mm.")
+    'The web of 270\xa0mm in the series of 500.0 mm.'
+    """
+    if not isinstance(text, str) or not has_values(text):
+        return text  # as it is, which may be HTML
+    return written(text, lambda value: with_symbols(value.text(None, most)))
+
+
+def with_symbols(text: str) -> str:
+    """Write a value with its unit, or a unit, as books print it, in one piece."""
+    for plain, symbol in SYMBOLS.items():
+        text = text.replace(plain, symbol)
+    return text
 
 
 FILTERS = {
@@ -228,9 +239,9 @@ FILTERS = {
     "bar": lambda share: min(1.0, share) if math.isfinite(share) else 1.0,
     "used": format_usage,
     "head": head,
-    "tied": keep_units_together,
-    "range": range_sentence,
-    "three": with_three_digits,
+    "joined": lambda texts: joined(" ", texts),
+    "kept": kept,
+    "capital": capital,
     "gpa": lambda value: f"{value / 1e9:.4g} GPa",
     "rpm": lambda speed: speed * RPM,
     "length_of": lambda values: math.hypot(*values),

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +31,7 @@ from crankfem.report.conclusions import reached_and_permitted
 from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.figures import PLOTS, Figure, load_figures, packed
 from crankfem.report.summary import summary
-from crankfem.report.text_filters import FILTERS, source_label
+from crankfem.report.text_filters import FILTERS, TABLE_DIGITS, printed, source_label
 from dynamics import wording
 
 if TYPE_CHECKING:
@@ -126,8 +126,8 @@ def render_report(results: RunResults, pictures: Path) -> tuple[str, str | None]
 
 
 @cache
-def page_environment() -> "Environment":
-    """Return what renders the templates of pages."""
+def page_environment(most: int | None = TABLE_DIGITS) -> "Environment":
+    """Return what renders the templates of pages, with so many digits of values in texts at most."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -136,6 +136,7 @@ def page_environment() -> "Environment":
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=partial(printed, most=most),
     )
     environment.filters |= FILTERS | {make.__name__: make for make in TABLES}
     environment.globals |= {"source_words": source_label, "wording": wording}

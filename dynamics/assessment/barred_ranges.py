@@ -91,7 +91,7 @@ class BarredRange(Result):
     @cached_property
     def shown(self) -> Part[str]:
         """Such as "700 to 800 1/min"."""
-        return wording.shown_range(self.low, self.high)
+        return wording.speed_range(self.low, self.high)
 
     @cached_property
     def sentence(self) -> Part[str]:

@@ -12,8 +12,9 @@ from crankbase.choices import check_choice
 from crankbase.diagrams import BLUE, RED, legend_inside, new_axes, with_gaps, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
-from crankbase.quantity import RPM, format_quantity, percent
+from crankbase.quantity import RPM, percent
 from crankbase.results import result
+from crankbase.sentences import amount
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
@@ -511,12 +512,12 @@ class _Sizing:
         curve, without = self.result(chain), self.result(self.chain)
         shares = usage(self.limit, curve)
         before = float(np.max(usage(self.limit, without)))
-        place = format_quantity(float(curve.speeds[np.argmax(shares)]), "rad/s", 4)
+        place = amount(float(curve.speeds[np.argmax(shares)]), "rad/s", 4)
         numbers = (
             f"{_share(best.used)} of what is permitted is reached at {place}, {_share(before)} "
             "without a damper"
         )
-        shown = format_quantity(best.size, unit, 4)
+        shown = amount(best.size, unit, 4)
         limit = f"{self.limit.name} ({self.limit.source})"
         shown_sizes = without_close_sizes(tried)
         return SizedDamper(

@@ -10,6 +10,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray, positive_number
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.sentences import amount
 from dynamics.assessment.limits import LimitCurve, VibrationLimit, checked_rated_speed
 
 M68_SOURCE = (
@@ -114,7 +115,7 @@ def propulsion_shaft_limit(
     remarks = []
     if counted < strength:
         remarks.append(
-            f"a tensile strength of {strength / 1e6:g} MPa enters the rule as {counted / 1e6:g} MPa"
+            f"a tensile strength of {amount(strength, 'Pa')} enters the rule as {amount(counted, 'Pa')}"
         )
     if "keyway" in feature:
         remarks.append("keyways are in general not used where a speed range is barred")
@@ -299,12 +300,12 @@ def _counted(strength: float, *, alloy: bool) -> str:
     most = CRANKSHAFT_STRENGTHS[alloy]
     if strength <= most:
         return ""
-    text = f"a tensile strength of {strength / 1e6:g} MPa enters the rule as {most / 1e6:g} MPa"
+    text = f"a tensile strength of {amount(strength, 'Pa')} enters the rule as {amount(most, 'Pa')}"
     end = f", where its formula ends for {'low alloy' if alloy else 'carbon'} steel"
     more = (
         ""
         if alloy
-        else f" (for low alloy steel, alloy = true, at {CRANKSHAFT_STRENGTHS[True] / 1e6:g} MPa)"
+        else f" (for low alloy steel, alloy = true, at {amount(CRANKSHAFT_STRENGTHS[True], 'Pa')})"
     )
     return f"{text}{end}{more}"
 

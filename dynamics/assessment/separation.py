@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.array_checks import FloatArray, positive_vector
 from crankbase.frames import Row
-from crankbase.quantity import format_quantity, percent
+from crankbase.quantity import percent
 from crankbase.results import Internal, Number, Quantity, Result, Speed, result
 from crankbase.summaries import summarized
 from dynamics.assessment.limits import checked_rated_speed, checked_running_range
@@ -17,7 +17,7 @@ from dynamics.assessment.uncertainty import Spread, frequency_bounds
 from dynamics.chains.chain import Chain
 from dynamics.critical import CriticalSpeed
 from dynamics.indices import within
-from dynamics.wording import shown_range
+from dynamics.wording import at_speed, speed_range
 
 # Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
 # recommended by API 617, quoted by Q. Wang, T. D. Feese, B. C. Pettinato, Torsional natural frequencies:
@@ -66,7 +66,7 @@ class CriticalRange(Result):
         )
         return (
             f"mode {self.mode} with order {self.order:g}: "
-            f"{format_quantity(self.nominal, 'rad/s', 4)} ({shown_range(self.low, self.high)}), {away}"
+            f"{at_speed(self.nominal)} ({speed_range(self.low, self.high)}), {away}"
         )
 
     def row(self) -> Row:

@@ -1,10 +1,10 @@
 """The verdict: vibration over the speed against limits, the measures required, and what decides it."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -23,8 +23,9 @@ from crankbase.diagrams import (
 )
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
-from crankbase.quantity import RPM, format_quantity, percent
+from crankbase.quantity import RPM, percent
 from crankbase.results import Flat, InItsUnit, Internal, Number, Part, Quantity, Result, result
+from crankbase.sentences import amount, joined, kept
 from dynamics.assessment.barred_ranges import (
     BarredRange,
     BarredRangeRule,
@@ -45,11 +46,11 @@ from dynamics.indices import at_most, within
 from dynamics.plots.curves import SPEED_LABEL, barred_bands, in_unit, set_speed_axis
 from dynamics.response.peak_cause import PeakCause
 from dynamics.wording import (
-    check_sentence,
+    at_speed,
+    check_sentences,
     limit_at,
     narrow_between,
     shown_range,
-    speed_text,
     use_in_words,
     values_sentence,
     verdict_headline,
@@ -177,8 +178,13 @@ class LimitCheck(Result):
     @property
     def sentence(self) -> str:
         """The finding with its numbers and the limit's source."""
+        return joined(" ", self.sentences)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The finding, and its cause."""
         at_running = self.at_running_speeds
-        return check_sentence(
+        return check_sentences(
             self.limit.name,
             self.place,
             self.limit.source + (", assumed" if self.limit.assumed else ""),
@@ -315,18 +321,35 @@ class Verdict(Result):
         """Speed ranges that may be barred, for any limit [rad/s]."""
         return ranges_to_bar(self.barred)
 
-    @cached_property
+    @classmethod
+    def from_record(cls, content: Any) -> "Verdict":
+        """Read content of JSON; older ones have their sentences in one text."""
+        if isinstance(content, Mapping) and "sentences" not in content:
+            content = {**content, "sentences": [content.get("sentence", "")]}
+        return super().from_record(content)
+
+    @property
     def sentence(self) -> Part[str]:
         """The verdict in words, with the ranges and the worst finding."""
-        check, most, above = self.deciding, self.checks[0], ""
+        return joined(" ", self.sentences)
+
+    @cached_property
+    def sentences(self) -> Part[tuple[str, ...]]:
+        """The verdict with what decides it, its cause, what is worse above running speeds, and refusals."""
+        check, most = self.deciding, self.checks[0]
+        above: tuple[str, ...] = ()
         if check.curve is most.curve and check.worst_speed == most.at_running.speed:
             check = most  # which tells both
         elif most.used > check.used and not most.in_running_range:
             place = limit_at(most.limit.name, most.curve.name)
-            above = f" Above the running range, {place}: {most.use}."
-        text = f"{self.headline}: {check.sentence}{above}"
-        refused = [f" {span.sentence}." for span in self.deciding_first if not span.allowed]
-        return f"{text}{''.join(refused)}"
+            above = (f"Above the running range, {place}: {kept(most.use)}.",)
+        first, *cause = check.sentences
+        refused = [span for span in self.deciding_first if not span.allowed]
+        return (
+            f"{kept(self.headline)}: {kept(first)}",
+            *(*cause, *above),
+            *(f"{kept(span.sentence)}." for span in refused),
+        )
 
     @cached_property
     def headline(self) -> Part[str]:
@@ -420,16 +443,16 @@ def judge(
     ranges = barred_ranges(findings, rule, (low, high), full_load)
     barred = tuple(span for span in ranges if span.position != "below")
     below = tuple(span for span in ranges if span.position == "below")
-    noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
-    noted += [f"{span.shown}: {text}" for span in ranges for text in span.remarks]
+    noted = [f"{check.curve.name}: {kept(text)}" for check in checks for text in check.remarks]
+    noted += [f"{kept(span.shown)}: {kept(text)}" for span in ranges for text in span.remarks]
     between = [(below[1], above[0]) for below, above in pairwise(ranges_to_bar(ranges))]
     noted += [narrow_between(*strip) for strip in between if not is_usable(strip, (low, high))]
     for limit, _ in findings:
         if not at_most(high, limit.continuous.high):
-            stated = speed_text(limit.continuous.high)
+            stated = at_speed(limit.continuous.high)
             noted.append(f"{limit.name}: not judged above {stated}, where the limit ends")
         if limit.remark:
-            noted.append(f"{limit.name}: {limit.remark}")
+            noted.append(f"{limit.name}: {kept(limit.remark)}")
     ranked = tuple(sorted(checks, key=lambda check: -check.used))
     return Verdict(
         status=status_by(ranges),
@@ -500,8 +523,8 @@ def _check(
     remarks = []
     if not at_most(end, curve.speeds[-1]):
         remarks.append(
-            f"the limit goes on to {speed_text(end)}, the calculation to "
-            f"{speed_text(float(curve.speeds[-1]))}"
+            f"the limit goes on to {at_speed(end)}, the calculation to "
+            f"{at_speed(float(curve.speeds[-1]))}"
         )
     return LimitCheck(
         limit=limit,
@@ -550,10 +573,10 @@ class Trial(Result):
     @property
     def shown(self) -> str:
         """The value with its unit."""
-        return format_quantity(self.value, self.unit, 4)
+        return amount(self.value, self.unit, 4)
 
 
-@result("status", "sentence", "trials", eq=True)
+@result("status", "reasons", "trials", eq=True)
 class Decision(Result):
     """What can be concluded despite the assumptions.
 
@@ -561,14 +584,26 @@ class Decision(Result):
     ----------
     status : {"acceptable", "not acceptable", "undecided"}
         "undecided" if the engine is acceptable with some of the values tried and not with others.
-    sentence : str
-        What decides, and the fields that give it; empty if no trial changes the verdict.
+    reasons : tuple of str
+        What decides, and the fields that give it, of each field; none if no trial changes the verdict.
     trials : tuple of Trial
     """
 
     status: Acceptance
-    sentence: str
+    reasons: tuple[str, ...]
     trials: tuple[Trial, ...]
+
+    @property
+    def sentence(self) -> Part[str]:
+        """The reasons in one sentence; empty if there are none."""
+        return joined("; ", self.reasons)
+
+    @classmethod
+    def from_record(cls, content: Any) -> "Decision":
+        """Read content of JSON; older ones have the reasons in one sentence."""
+        if isinstance(content, Mapping) and "reasons" not in content:
+            content = {**content, "reasons": list(filter(None, [content.get("sentence")]))}
+        return super().from_record(content)
 
     def to_pandas(self) -> DataFrame:
         """Return a table with a row for each value tried.
@@ -618,12 +653,12 @@ def decide(status: Status, trials: Iterable[Trial]) -> Decision:
             for field in by_field
             if any(trial.status != status for trial in field)
         ]
-    sentence = "; ".join(f"{holds} with {_values(field, kept)}" for field, kept in deciding)
-    return Decision(conclusion, sentence, tried)
+    reasons = tuple(f"{holds} with {_values(field, holding)}" for field, holding in deciding)
+    return Decision(conclusion, reasons, tried)
 
 
 def _values(trials: Sequence[Trial], holds: Sequence[bool]) -> str:
-    first, shown = trials[0], [trial.shown for trial in trials]
+    first, shown = trials[0], [kept(trial.shown) for trial in trials]
     taken = next((place for place, trial in enumerate(trials) if trial.taken), None)
     return values_sentence(first.field, first.name, first.why, shown, holds, taken)
 

@@ -23,6 +23,7 @@ from crankbase.diagrams import curve_diagram, draw_diagram, legend_inside, new_a
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.quantity import RPM
+from crankbase.sentences import with_sentences
 from crankbase.summaries import summarized
 from dynamics.cycle import cycle_radians, even_angles, order_step
 from dynamics.engine import RodModelName
@@ -59,6 +60,7 @@ INERTIA_SAMPLES = 720
 PRESSURE_DIAGRAM = "pressure diagram"
 
 
+@with_sentences
 @summarized("orders", "crank_radius [m]", "throws", "takes_load", "remarks")
 @dataclass(frozen=True, eq=False)
 class CylinderHarmonics:

@@ -24,6 +24,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.quantity import RPM, format_quantity
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
+from crankbase.sentences import amount
 from crankbase.summaries import summarized
 from dynamics.critical import engine_orders
 from dynamics.cycle import cycle_radians, even_angles, order_numbers, order_step
@@ -961,12 +962,12 @@ class EnginePower(Result):
     @cached_property
     def sentence(self) -> Part[str]:
         """Indicated power and its ratio to the rated power."""
-        speed = format_quantity(self.speed, "rad/s", 5)
+        speed = amount(self.speed, "rad/s", 5)
         sense = -1.0 if self.driven else 1.0
         indicated = (
             f"indicated power {_kilowatts(sense * self.indicated)}{' taken' if self.driven else ''} at "
             f"{speed}, mean indicated pressure "
-            f"{format_quantity(sense * self.mean_indicated_pressure, 'Pa', 4)}"
+            f"{amount(sense * self.mean_indicated_pressure, 'Pa', 4)}"
         )
         if self.rated is None:
             return (
@@ -979,7 +980,7 @@ class EnginePower(Result):
             )
         effective = (
             f"rated power {_kilowatts(self.rated)} (mean effective pressure "
-            f"{format_quantity(sense * self.mean_effective_pressure, 'Pa', 4)})"
+            f"{amount(sense * self.mean_effective_pressure, 'Pa', 4)})"
         )
         share = f"{self.mechanical_efficiency:.3g}"
         if self.consistent:
@@ -1030,4 +1031,4 @@ def indicated_power(
 
 
 def _kilowatts(power: float) -> str:
-    return f"{power / 1e3:.4g} kW"
+    return amount(power, "W", 4, shown="kW")

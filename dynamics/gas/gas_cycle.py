@@ -20,7 +20,7 @@ from crankbase.choices import check_choice, is_number, whole_number
 from crankbase.diagrams import BLUE, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount, angle, finished, written
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.gas.pressure import (
@@ -306,18 +306,20 @@ def assumption_remarks(cycle: GasCycle) -> tuple[str, ...]:
     """Return one sentence for each assumed parameter: its value and why."""
     names = [field.name for field in fields(cycle) if field.name in cycle.assumed]
     return tuple(
-        f"Assumed: {name_of_field(name)} {_format_parameter(name, getattr(cycle, name))}, because "
-        f"{USUAL_VALUES[name].reason}."
+        finished(
+            f"Assumed: {name_of_field(name)} {_format_parameter(name, getattr(cycle, name))}, because "
+            f"{USUAL_VALUES[name].reason}."
+        )
         for name in names
     )
 
 
 def _format_parameter(name: str, value: float) -> str:
     if name.endswith("_pressure"):
-        return f"{value / 1e6:.4g} MPa"
+        return amount(value, "Pa", 4)
     if name.startswith(("heat_", "wiebe_", "compression_")):
         return f"{value:g}"
-    return f"{value:.6g} deg"
+    return angle(value)
 
 
 def _check_finite(name: str, value: object) -> None:
@@ -335,9 +337,11 @@ def _check_range(name: str, value: float, above: float, below: float, reason: st
     _check_finite(name, value)
     if not above < value < below:
         raise InputError(
-            f"{name}: given {_format_parameter(name, value)}; allowed is more than "
-            f"{_format_parameter(name, above)} and "
-            f"less than {_format_parameter(name, below)}, because {reason}."
+            written(
+                f"{name}: given {_format_parameter(name, value)}; allowed is more than "
+                f"{_format_parameter(name, above)} and less than {_format_parameter(name, below)}, because "
+                f"{reason}."
+            )
         )
 
 
@@ -784,7 +788,7 @@ def gas_cycle(
             "of them, or both pressures, because they set the load."
         )
     if heat is None:
-        solved.append(f"Solved: heat {released / 1e3:.4g} kJ per cycle.")
+        solved.append(f"Solved: heat {amount(released, 'J', 4, shown='kJ')} per cycle.")
     work = state.work(released)
     assumed = assumption_remarks(cycle)
     return GasCycleResult(
@@ -842,7 +846,7 @@ class FullLoad:
             self.compression_ratio, strokes, **(dict(self.known) | {"intake_pressure": intake})
         )
         remark = (
-            f"Assumed: intake_pressure {format_quantity(intake, 'Pa', 4)}, so that combustion raises the "
+            f"Assumed: intake_pressure {amount(intake, 'Pa', 4)}, so that combustion raises the "
             f"pressure {USUAL_PRESSURE_RISE:g} times, as is usual for diesel engines at rated load."
         )
         return suited, (remark,)

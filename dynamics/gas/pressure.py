@@ -22,6 +22,7 @@ from crankbase.array_checks import (
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
+from crankbase.sentences import amount, angle, listed, with_sentences
 from crankbase.summaries import summarized
 from dynamics.cycle import (
     checked_strokes,
@@ -66,6 +67,7 @@ REPEATED = 3
     "source",
     "remarks",
 )
+@with_sentences
 @dataclass(frozen=True, eq=False)
 class GasPressure:
     """The absolute pressure in one cylinder, sampled evenly over one working cycle.
@@ -304,7 +306,7 @@ def _even_angles_in_cycle(
     number = math.floor(angles[0] / step + 1e-9)
     offset = max(float(angles[0]) - number * step, 0.0)
     moved = float(np.max(np.abs(angles - angles[0] - step * np.arange(angles.size))))
-    remark = f"Angles were moved by up to {moved:.2g} deg to their even places."
+    remark = f"Angles were moved by up to {angle(moved, 2)} to their even places."
     places = offset + step * np.arange(angles.size)
     return places, np.roll(values, number), remark if moved > SILENT_SHIFT else ""
 
@@ -321,7 +323,7 @@ def _resampled(
     folded = angles[0] + np.mod(places - angles[0], cycle)
     remark = (
         f"The {angles.size} uneven samples were replaced by {count} even ones in steps of "
-        f"{step:.4g} deg on a shape-preserving cubic curve through them."
+        f"{angle(step, 4)} on a shape-preserving cubic curve through them."
     )
     return places, np.asarray(curve(folded), dtype=np.float64), remark
 
@@ -438,7 +440,7 @@ def read_pressure_table(
     pressure = UNITS[unit] * rows.values
     if kind == "gauge":
         pressure += ATMOSPHERE
-        added = f"{ATMOSPHERE:g} Pa of atmosphere were added to the gauge pressure."
+        added = f"{amount(ATMOSPHERE, 'Pa', shown='Pa')} of atmosphere were added to the gauge pressure."
         remarks = (added, *remarks)
     _check_pressure(rows, pressure, ENGINE if fires else COMPRESSOR)
     _check_peak_angle(rows, pressure, cycles[cycle_strokes], ENGINE if fires else COMPRESSOR)
@@ -765,8 +767,9 @@ def motored_from_compression(
     polytrope = np.exp(level + slope * size)
     after = (angles > high) & (angles <= 180.0)
     motored = np.where(after, np.minimum(pressure.pressure, polytrope), pressure.pressure)
+    fitted = listed(np.radians([low, high]).tolist(), "rad", between=" to ")
     remark = (
-        f"Without combustion: compression with the exponent {-slope:.4g}, fitted from "
-        f"{low:g} to {high:g} deg, and expansion along the same curve."
+        f"Without combustion: compression with the exponent {-slope:.4g}, fitted from {fitted}, and "
+        "expansion along the same curve."
     )
     return replace(pressure, pressure=motored, remarks=(*pressure.remarks, remark))

@@ -17,6 +17,7 @@ from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.quantity import compact
 from crankbase.results import result
+from crankbase.sentences import amount
 from dynamics.chains.chain import DAMPING_UNIT, Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.chains.varying import VaryingSpring
@@ -445,22 +446,19 @@ def _own_damping(chain: Chain, viscous: str) -> str:
         f"{chain.names[dashpot.left]} - {chain.names[dashpot.right]}" for dashpot in chain.dashpots
     ]
     texts: dict[str, list[str]] = {}
-    for before, unit, values, places, what in (
-        ("loss factor ", " of", chain.loss_factor, chain.elements, "elements"),
-        ("", f" {viscous} of", chain.damping, chain.elements, "elements"),
-        (
-            "",
-            f" {viscous} between",
-            [dashpot.damping for dashpot in chain.dashpots],
-            joints,
-            "pairs",
-        ),
-        ("", f" {viscous} to ground at", chain.ground_damping, chain.names, "nodes"),
+    for unit, where, values, places, what in (
+        ("", "of", chain.loss_factor, chain.elements, "elements"),
+        (viscous, "of", chain.damping, chain.elements, "elements"),
+        (viscous, "between", [each.damping for each in chain.dashpots], joints, "pairs"),
+        (viscous, "to ground at", chain.ground_damping, chain.names, "nodes"),
     ):
         groups: dict[str, list[str]] = {}
         for value, place in zip(values, places, strict=True):
             if value > 0.0:
-                groups.setdefault(f"{before}{compact(value, 4)}{unit}", []).append(place)
+                text = (
+                    amount(float(f"{value:.4g}"), unit, 4) if unit else f"loss factor {value:.4g}"
+                )
+                groups.setdefault(f"{text} {where}", []).append(place)
         texts |= {
             text: [f"{len(at)} {what}"] if len(at) > NAMED else at for text, at in groups.items()
         }

@@ -9,6 +9,7 @@ import numpy as np
 from crankbase.array_checks import ComplexArray
 from crankbase.frames import table_of
 from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, result
+from crankbase.sentences import kept
 from dynamics import wording
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes, modes_at
@@ -124,7 +125,7 @@ class PeakCause(Result):
     def sentence(self) -> str:
         """The amplitude, its speed, and the main orders with their shares."""
         peak = wording.peak_text(self.amplitude, self.unit)
-        return f"{peak} at {wording.speed_text(self.speed)}: {self.reasons}."
+        return f"{peak} at {wording.at_speed(self.speed)}: {kept(self.reasons)}."
 
     @cached_property
     def reasons(self) -> Annotated[str, Quantity(key="sentence")]:

@@ -8,6 +8,7 @@ from typing import Annotated
 from crankbase.array_checks import nonnegative_number, positive_number
 from crankbase.errors import InputError
 from crankbase.results import Number, Part, Quantity, Result
+from crankbase.sentences import amount, with_sentences
 from crankbase.summaries import summarized
 from dynamics.strength.fatigue import Stress
 
@@ -23,6 +24,7 @@ YIELDING = 0.8e-3
 LENGTHS = ("shrink_diameter", "shrink_length", "web_diameter", "journal_diameter", "fillet_radius")
 
 
+@with_sentences
 @summarized("least_shrinkage [m]", "most_shrinkage [m]", "largest_bore [m]", "refusals", "remarks")
 @dataclass(frozen=True)
 class ShrinkFit(Result):
@@ -185,4 +187,4 @@ class ShrinkFit(Result):
 
 
 def _mm(length: float) -> str:
-    return f"{1e3 * length:.4g} mm"
+    return amount(length, "m", 4)

@@ -31,8 +31,9 @@ from pathlib import Path
 from typing import Annotated
 
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity, percent
+from crankbase.quantity import percent
 from crankbase.results import Internal, Quantity, Result, result
+from crankbase.sentences import amount, angle
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.formulas.case import (
@@ -82,7 +83,7 @@ def _anderson_remarks(case: ThrowCase) -> Remarks:
     yield from negative_shear_remarks(case)
     if _web_share(case) <= 0.0:
         yield Remark(
-            f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most an eighth of the "
+            f"The crank radius {amount(case.throw.crank_radius, 'm')} is at most an eighth of the "
             "sum of both journal diameters: nothing of the web is left to bend (k_1 <= 0).",
             invalidates=True,
         )
@@ -171,8 +172,8 @@ def _draminsky_second_remarks(case: ThrowCase) -> Remarks:
     yield from plain_web_remarks(case)
     if case.gamma_deg < SMALLEST_ANGLE_DEG:
         yield Remark(
-            f"gamma = {case.gamma_deg:g} deg is below {SMALLEST_ANGLE_DEG:g} deg: the factor 2/3 - (1 + cos "
-            "gamma)/2 of the web falls to zero and below, which no throw does.",
+            f"gamma = {angle(case.gamma_deg)} is below {angle(SMALLEST_ANGLE_DEG)}: the factor 2/3 - (1 + "
+            "cos gamma)/2 of the web falls to zero and below, which no throw does.",
             invalidates=True,
         )
 
@@ -255,7 +256,7 @@ def _tsniimf_printed_remarks(case: ThrowCase) -> Remarks:
     if throw.overlap < throw.web_thickness:
         yield Remark(
             f"The overlap {case.overlap_text} is smaller than the web's "
-            f"thickness {format_quantity(throw.web_thickness, 'm')}: the print makes the web "
+            f"thickness {amount(throw.web_thickness, 'm')}: the print makes the web "
             f"{(throw.web_thickness / throw.overlap) ** 1.5:.3g} times softer than one without overlap.",
             invalidates=True,
         )
@@ -313,7 +314,7 @@ def _guglielmotti_remarks(case: ThrowCase) -> Remarks:
     share = _free_share(case)
     if share <= 0.0:
         yield Remark(
-            f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most 0.44 of the main "
+            f"The crank radius {amount(case.throw.crank_radius, 'm')} is at most 0.44 of the main "
             "journal's diameter: nothing of the web is left to bend (R - 0.44 D_km <= 0).",
             invalidates=True,
         )
@@ -468,7 +469,7 @@ def _gorbunov_remarks(case: ThrowCase) -> Remarks:
     # A frame with blocked tilt has 1/6 of R^3 / (E I_w), a quarter of the web's term at k_phi = 1.
     if factor < 0.25:
         yield Remark(
-            f"At gamma = {case.gamma_deg:g} deg the angle factor of the web is {factor:.3g}: "
+            f"At gamma = {angle(case.gamma_deg)} the angle factor of the web is {factor:.3g}: "
             "the web is then stiffer than even a frame with blocked tilt has it.",
             invalidates=True,
         )

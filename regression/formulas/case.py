@@ -8,8 +8,8 @@ from typing import Any, Protocol, runtime_checkable
 from crankbase.choices import check_kind, is_number
 from crankbase.errors import InputError, quoted
 from crankbase.frames import table
-from crankbase.quantity import format_quantity
 from crankbase.results import InItsUnit, Result, result
+from crankbase.sentences import amount, angle
 from crankbase.table import text_rows
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
@@ -41,7 +41,7 @@ class ThrowCase:
     @property
     def overlap_text(self) -> str:
         """Overlap of main journal and crankpin, as remarks tell it."""
-        return format_quantity(self.throw.overlap, "m")
+        return amount(self.throw.overlap, "m")
 
     @property
     def pin(self) -> float:
@@ -198,7 +198,7 @@ def no_angle_remarks(case: ThrowCase) -> Remarks:
     if case.gamma_deg != 180.0:
         yield Remark(
             "The formula has no angle: it holds for opposite neighbors, gamma = 180 deg, and "
-            f"not for {case.gamma_deg:g} deg, where the throw is stiffer.",
+            f"not for {angle(case.gamma_deg)}, where the throw is stiffer.",
             invalidates=True,
         )
 
@@ -207,7 +207,7 @@ def open_angle_factor_remarks(case: ThrowCase, constant: str) -> Remarks:
     """For a formula whose factor for the angle is not published, unless the factor is given."""
     if case.gamma_deg != 180.0 and constant not in case.given_constants:
         yield Remark(
-            f"The factor {constant} for gamma = {case.gamma_deg:g} deg is not published: the value applies "
+            f"The factor {constant} for gamma = {angle(case.gamma_deg)} is not published: the value applies "
             f"to opposite neighbors, gamma = 180 deg ({constant} = 1), unless the constant {constant} is "
             "given.",
             invalidates=True,

@@ -16,7 +16,7 @@ S. Timoshenko: Vibration Problems in Engineering, New York, Van Nostrand.
 import math
 from collections.abc import Mapping
 
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 from fem.material import Material
 from geometry.throw import CrankThrow
 from regression.formulas.case import (
@@ -76,7 +76,7 @@ def _ker_wilson_remarks(case: ThrowCase) -> Remarks:
     yield Remark("Meant for stiff webs between flexible journals and pin.")
     if _ker_wilson_web_length(case.throw) <= 0.0:
         yield Remark(
-            f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most a fifth "
+            f"The crank radius {amount(case.throw.crank_radius, 'm')} is at most a fifth "
             "of the sum of both journal diameters: nothing of the web is left to twist.",
             invalidates=True,
         )

@@ -127,7 +127,7 @@ def test_an_output_that_nobody_reads_ends_quietly(spawn):
 
 ENDS = {
     "acceptable": (0, ""),
-    "not acceptable": (4, "Limits are exceeded: The verdict.\n"),
+    "not acceptable": (4, "The verdict.\n"),
     "undecided": (5, f"{wording.VERDICTS['undecided']}: give this.\n"),
 }
 
@@ -147,7 +147,8 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     assert sentence in answer.err
     assert ("Note: not used of 6chn25-34: " in answer.err) == (option == "--full")
     if option == "--json":
-        assert answer.json()["assessment"]["decision"] == decision
+        reasons = {"reasons": ["give this"]}
+        assert answer.json()["assessment"]["decision"] == decision | reasons
     # Without the option the verdict does not matter.
     assert call("vibration", "6chn25-34", option).code == 0
 

@@ -80,8 +80,8 @@ def printed(monkeypatch, capsys, width, parts, answers, full):
 def test_the_first_screen_has_main_parts_within_its_lines_and_the_answer_last(monkeypatch, capsys):
     table = Table("Loads", [Column("at"), Column("load", "kN")], [[n, 1e3 * n] for n in range(70)])
     heavy = replace(table, main=True, weights=[n % 9 for n in range(70)])
-    warnings = [Main(f"Warning: field {n} looks wrong. It is large.") for n in range(5)]
-    findings = [Main(f"Finding {n}. Its reasons are long and many.") for n in range(30)]
+    warnings = [Main(f"Warning: field {n} looks wrong.", "It is large.") for n in range(5)]
+    findings = [Main(f"Finding {n}.", "Its reasons are long and many.") for n in range(30)]
     parts = ["a remark", table, heavy, *warnings, *findings]
     for width in (80, 60):
         lines = printed(monkeypatch, capsys, width, parts, ["Verdict: fine."], full=False)

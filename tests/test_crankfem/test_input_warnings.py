@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankbase.sentences import finished
 from crankfem.analyses.engine_mechanism import input_warnings, load_any
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
@@ -274,7 +275,7 @@ def test_a_throw_alone_and_by_name(call, tmp_path):
     answer = call("check", "mine.toml", "--json")
     assert all(one.startswith("throw.") for one in answer.json()["warnings"])
     throw = load_any("6chn25-34").throw.changed(main_journal_length=0.5)
-    (warning,) = throw_warnings({"a": throw})
+    (warning,) = map(finished, throw_warnings({"a": throw}))
     assert warning.startswith("throws.a.main_journal_length: given 500 mm, which is 2.27 times")
 
 

@@ -344,7 +344,7 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     (said,) = whole_shaft_remark(ShaftComparison(None, ChainVerdict((two,))))
     assert said.endswith("two modes at 80.0 and 115.0 Hz instead of axial mode 1 at 105.6 Hz.")
     (said,) = whole_shaft_remark(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
-    assert "at running speeds unbounded instead of 1270 um at 191 1/min" in said
+    assert "at running speeds unbounded instead of 1266 um at 191 1/min" in said
 
 
 # From 200 to 515 1/min, and some beyond.

@@ -10,6 +10,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Internal, Number, Quantity, Result, Speed, result
+from crankbase.sentences import capital, kept
 from crankbase.table import SI, Column, Main, OutputUnits, Table, format_names
 from crankfem.analyses.assumptions import input_values
 from crankfem.analyses.mechanism.engine_balance import EngineBalance, engine_balance, per_area_table
@@ -175,8 +176,7 @@ class MechanismResults(Result):
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
         """Return tables and sentences, but for the balance and the answer."""
         if self.rated is not None and self.rated.rated is not None:
-            sentence = self.rated.sentence
-            yield Main(units.text(f"{sentence[0].upper()}{sentence[1:]}."))
+            yield Main(units.written(f"{capital(self.rated.sentence)}."))
         top = "top" if self._driven else "firing top"
         yield Table(
             "Cylinders",
@@ -234,7 +234,7 @@ class MechanismResults(Result):
             "Check: the work of the torque differs from the indicated work, the integral of p dV, by "
             f"{abs(self.energy_error):.1e} of the work exchanged."
         )
-        yield from (units.text(f"Note: {remark.rstrip('.')}.") for remark in self.notes)
+        yield from (units.written(f"Note: {kept(remark).rstrip('.')}.") for remark in self.notes)
         if self.assumed:
             yield (
                 f"Assumed, not given ({len(self.assumed)} values; crankfem check lists them with their "

@@ -10,6 +10,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Quantity, Result, result
+from crankbase.sentences import amount, kept
 from crankbase.table import SI, Column, Main, OutputUnits, Table, table_unit
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.harmonics import Harmonics, Spectrum, TorqueTable
@@ -161,7 +162,7 @@ class SummedCylinders(FiredCylinders):
         mean = _torque(self.torque.mean, units)
         yield Main(f"{those} with this torque, fired at {angles} deg: mean torque {mean}.")
         yield harmonics_table(self.torque, "Harmonics of the sum of all cylinders", units)
-        yield from (units.text(f"Note: {remark}") for remark in self.remarks)
+        yield from (units.written(f"Note: {kept(remark)}") for remark in self.remarks)
         yield from self.star_parts()
 
 
@@ -313,7 +314,7 @@ class EngineHarmonics(FiredCylinders):
             f"{self.engine} at {speed}: mean torque {_torque(torque.mean, units)}, indicated "
             f"power {_torque(torque.power, units, 'W')}{spread}."
         )
-        yield from (units.text(f"Note: {remark}.") for remark in self.remarks)
+        yield from (units.written(f"Note: {kept(remark)}.") for remark in self.remarks)
         yield harmonics_table(self.harmonics, "Harmonics of the engine's torque", units)
         amplitudes = [throw.harmonics.amplitude for throw in self.throws]
         shown = table_unit(np.ravel(amplitudes), "N m", units)
@@ -395,8 +396,9 @@ def _pin_force_table(
         values += [part.amplitude, part.phase]
     letter = {"tangential": "T", "radial": "Z"}[force]
     top = "top" if strokes == 2 else "firing top"
-    title = units.text(
+    angle = amount(math.radians(cylinder.firing_angle_deg), "rad")
+    title = units.written(
         f"Cylinder {cylinder.number}: {force} force {letter} on the crankpin, phases from its {top} at "
-        f"{cylinder.firing_angle_deg:g} deg; mean [{mean.name}]: {means}"
+        f"{angle}; mean [{mean.name}]: {means}"
     )
     return Table(title, columns, np.column_stack(values).tolist())

@@ -12,6 +12,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Number, Quantity, Result, Speed, result
+from crankbase.sentences import amount
 from crankbase.table import SI, Column, Main, OutputUnits, Table, table_unit
 from crankfem.analyses.mechanism.torque_harmonics import summed_cylinders
 from crankfem.files.reading.toml_file import TomlFile
@@ -23,6 +24,7 @@ from crankfem.files.sections.engine_sections import (
 )
 from dynamics.critical import TwoMassCheck, critical_speeds, engine_orders, two_mass_check
 from dynamics.harmonics import Harmonics, read_torque_table
+from dynamics.wording import speed_range
 
 NewtonMeter = Annotated[float, Quantity("N m")]
 NewtonMeters = Annotated[FloatArray, Quantity("N m")]
@@ -122,8 +124,8 @@ class ShaftTorque(Result):
         unit, decimals = shown.column("").unit, shown.decimals
         values = zip(self.orders, self.exciting, self.magnification, self.torque, strict=True)
         return Table(
-            units.text(
-                f"Torque in the shaft at {self.speed * RPM:.4g} 1/min, without damping, by the table's "
+            units.written(
+                f"Torque in the shaft at {amount(self.speed, 'rad/s', 4)}, without damping, by the table's "
                 "orders that do not cancel"
             ),
             [
@@ -161,18 +163,19 @@ class TwoMassRun(Result):
 
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
         """Return tables and sentences."""
-        check, speed, within = self.check, self.check.resonant_speed_rpm, ""
+        check, rpm, within = self.check, self.check.resonant_speed_rpm, ""
         yield Main(
-            units.text(
+            units.written(
                 f"Two masses on one shaft of {check.stiffness / 1e3:.4g} kN m/rad: natural frequency "
-                f"{check.frequency:.2f} Hz, {check.angular_frequency:.5g} rad/s, "
+                f"{amount(check.frequency, 'Hz', decimals=2)}, "
+                f"{amount(check.angular_frequency, 'rad/s', 5, shown='rad/s')}, "
                 f"{check.vibrations_per_minute:.5g} vibrations per minute."
             )
         )
         if self.running is not None:
-            low, high = (end * RPM for end in self.running)
-            where = "inside" if low <= speed <= high else "outside"
-            within = f", {where} the running range of {low:.4g} to {high:.4g} 1/min"
+            low, high = self.running
+            where = "inside" if low * RPM <= rpm <= high * RPM else "outside"
+            within = f", {where} the running range of {speed_range(low, high)}"
         if self.resonances:
             yield Table(
                 f"Resonances in the running range, orders up to {self.highest_order:g}",
@@ -186,8 +189,9 @@ class TwoMassRun(Result):
             )
         if self.shaft_torque is not None:
             yield replace(self.shaft_torque.table(units), main=True)
-        yield Main(units.text(check.statement))
-        yield Main(units.text(f"Order {check.order:g} resonates at {speed:.1f} 1/min{within}."))
+        yield Main(units.written(check.statement))
+        speed = amount(rpm / RPM, "rad/s", decimals=1)
+        yield Main(units.written(f"Order {check.order:g} resonates at {speed}{within}."))
 
 
 def run_two_masses(file: TwoMassFile, order: float | None = None) -> TwoMassRun:

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
-from crankbase.quantity import UNITS, VIBRATING, compact, format_quantity, significant, unit_symbol
+from crankbase.quantity import UNITS, VIBRATING, significant, unit_symbol
+from crankbase.sentences import amount, finished
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
@@ -304,15 +305,15 @@ def shaft_surroundings(
         axial_line=engine_file.shaft_lines.get("axial"),
     )
     fourth = (wording.LINE_WITHOUT_BENDING,) if around.torsional_line or around.axial_line else ()
-    return around, (*first, *second, *third, *fourth)
+    return around, tuple(map(finished, (*first, *second, *third, *fourth)))
 
 
 def _bearings(engine_file: EngineFile) -> tuple[MainBearings, Remarks]:
     held = engine_file.main_bearings
     assumed = (
-        f"main bearings are assumed to have a lateral stiffness of {compact(held.stiffness)} N/m each (range "
-        f"{compact(held.lowest)} to {compact(held.highest)}), 1e10 N/m per m of journal diameter, and no "
-        "damping; give the section [bearings]"
+        f"main bearings are assumed to have a lateral stiffness of {amount(held.stiffness, 'N/m', 3)} each "
+        f"(range {wording.stiffness_range(held.lowest, held.highest)}), {amount(1e10, 'N/m')} per m of "
+        "journal diameter, and no damping; give the section [bearings]"
     )
     around = MainBearings(held.stiffness, held.damping, held.variation)
     return around, () if engine_file.bearings else (assumed,)
@@ -332,7 +333,7 @@ def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:
 def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
     flywheel = engine_file.required(Flywheel)
     overhang, known = flywheel_overhang(engine_file)
-    beyond = f"{format_quantity(overhang, 'm')} beyond"
+    beyond = f"{amount(overhang, 'm')} beyond"
     if known:
         where = f"{beyond} the last main journal's middle"
     elif engine_file.shaft_ends.flange_thickness is None:

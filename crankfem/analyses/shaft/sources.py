@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
+from crankbase.sentences import angle, listed
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, crank_analyses
 from crankfem.analyses.throw.law_record import LAW, LawAnswer, law_answers
 from crankfem.files.chain.chain_file import PLANT, plant_chain
@@ -387,9 +388,10 @@ def axial_by_formulas(
             for gap, table in beside
             if not table[name].valid
         }
-        remark = "mean of the formula at the angles to both neighbors; 180 deg at the shaft's ends"
+        ends = f"{angle(180.0)} at the shaft's ends"
+        remark = f"mean of the formula at the angles to both neighbors; {ends}"
         if wrong:
-            remark += f"; does not apply at {', '.join(str(angle) for angle in sorted(wrong))} deg"
+            remark += f"; does not apply at {listed(np.radians(sorted(wrong)).tolist(), 'rad')}"
         sources[name] = (0.5 * (values[:, 0] + values[:, 1]), remark)
     return sources
 

@@ -17,8 +17,9 @@ from crankbase.array_checks import FloatArray
 from crankbase.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.frames import table_of
-from crankbase.quantity import RPM, UNBOUNDED, percent, significant
+from crankbase.quantity import UNBOUNDED, percent
 from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, Speed, result
+from crankbase.sentences import amount, finished
 from crankfem.analyses.shaft.chains import MOTION, magnifier_of, shaft_surroundings
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT
@@ -632,7 +633,8 @@ def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
     differing = [verdict for verdict in comparison.verdicts[::-1] if not verdict.suffices]
     if not differing:
         return ()
-    return (wording.differing_chains(list(map(_difference, differing)), differing[0].kind),)
+    text = wording.differing_chains(list(map(_difference, differing)), differing[0].kind)
+    return (finished(text),)
 
 
 def _difference(verdict: ChainVerdict) -> str:
@@ -640,7 +642,8 @@ def _difference(verdict: ChainVerdict) -> str:
     motion, response = MOTION[verdict.kind], verdict.response
     if response is not None and abs(response.difference) > RESPONSE_LIMIT:
         chain, shaft = (
-            f"{motion.number(peak)} {motion.printed} at {significant(speed * RPM, 3)} 1/min"
+            f"{amount(peak, motion.si, 3, zeros=True, shown=motion.printed)} at "
+            f"{amount(speed, 'rad/s', 3, zeros=True)}"
             if np.isfinite(peak)
             else UNBOUNDED
             for speed, peak in response.peaks

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.frames import DataFrame, Row, table_of
-from crankbase.quantity import RPM
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
 from crankbase.table import Column, Table
 from crankfem.analyses.strength.cycle_loads import CycleLoads, cycle_loads, judged_speeds
@@ -36,7 +35,7 @@ from dynamics.strength.fatigue import (
     findley_factor,
     findley_limit,
 )
-from dynamics.wording import cylinders_named
+from dynamics.wording import at_speed, cylinders_named
 from fem.fields import StressedSite, StressFields, stress_fields
 from fem.fillet_peaks import FilletStresses
 from fem.fillet_stress import fillet_stresses
@@ -224,7 +223,7 @@ class EngineFatigue(Result):
         text = (
             "Fatigue over the cycle, by finite elements and Findley's criterion: the least safety factor is "
             f"{least.safety:.2f} at the {least.name} of throw {least.throw}, at "
-            f"{RPM * least.speed:.4g} 1/min, shaft angle {least.shaft_angle_deg:.0f}°, {firing}"
+            f"{at_speed(least.speed)}, shaft angle {least.shaft_angle_deg:.0f}°, {firing}"
         )
         broken = sum(place.safety < 1.0 for place in self.places)
         if broken:

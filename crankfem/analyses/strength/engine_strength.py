@@ -10,8 +10,9 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.frames import DataFrame, table_of
-from crankbase.quantity import RPM, UNBOUNDED, percent
+from crankbase.quantity import UNBOUNDED, percent
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, result
+from crankbase.sentences import amount, kept
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.strength.cycle_loads import (
     HIGHEST_ORDER,
@@ -52,7 +53,7 @@ from dynamics.strength.fatigue import (
     hole_equivalent,
 )
 from dynamics.strength.shrink_fit import ShrinkFit
-from dynamics.wording import shown_range
+from dynamics.wording import at_speed, speed_range
 from fem.fillet_peaks import FilletPeak, FilletStresses, largest_principal, principal_stresses
 from fem.fillet_stress import FilletMesh, fillet_stresses
 from geometry.throw import CrankThrow
@@ -347,18 +348,19 @@ def strength_remarks(
     file = vibration.engine_file
     engine, asked = file.engine, HIGHEST_ORDER[file.engine.strokes]
     yield (
-        f"bending is due to the rods' forces at rated speed, {RPM * engine.rated_speed:.4g} 1/min, each "
+        f"bending is due to the rods' forces at rated speed, {at_speed(engine.rated_speed)}, each "
         "throw supported separately"
     )
-    left_out = ", ".join(shown_range(*speeds) for speeds in loads.barred)
+    left_out = ", ".join(speed_range(*speeds) for speeds in loads.barred)
     yield (
-        f"torsion is the largest from {shown_range(engine.lowest_speed, engine.highest_speed)}"
+        f"torsion is the largest from {speed_range(engine.lowest_speed, engine.highest_speed)}"
         f"{f' without {left_out}, which the verdict bars' if left_out else ''}, orders up to "
         f"{min(asked, file.vibration.highest_order):g} summed over the cycle, "
         f"{'in normal firing and while cylinders misfire' if loads.misfiring else 'in normal firing'}"
     )
     if not loads.misfiring:
-        yield f"{vibration.misfiring_note or 'misfiring is not calculated'}; the rule requires it"
+        note = kept(vibration.misfiring_note or "misfiring is not calculated")
+        yield f"{note}; the rule requires it"
     if file.vibration.highest_order < asked:
         yield (
             f"the rule requires orders up to {asked:g}: those above {file.vibration.highest_order:g} are not "
@@ -367,7 +369,7 @@ def strength_remarks(
     if section.axial_vibration == "calculated":
         yield (
             "the calculated axial force bends the web with the crank radius as lever arm, the largest "
-            "possible; this replaces the rule's 20 MPa"
+            f"possible; this replaces the rule's {amount(20e6, 'Pa')}"
         )
     if section.oil_hole_diameter is not None and section.oil_hole_angle is None:
         yield "the oil hole's outlet is assumed where the pin's bending stress is largest"
@@ -505,7 +507,7 @@ class EngineStrength(Result):
         """The finding, with the decisive location."""
         unjudged = self.left_out
         if not self.places:
-            return f"Crankshaft strength by UR M53 is not judged: {unjudged[0]}"
+            return f"Crankshaft strength by UR M53 is not judged: {kept(unjudged[0])}"
         least, wrong = self.places[0], sum(not place.passed for place in self.places)
         how = ", factors by finite elements" if self.by_elements else ""
         text = (
@@ -518,8 +520,8 @@ class EngineStrength(Result):
         )
         fits = [throw for throw in self.throws if throw.fit is not None and not throw.fit.passed]
         if fits and fits[0].fit is not None:
-            text += f" Shrink fit of throw {fits[0].number}: {fits[0].fit.refusals[0]}."
-        return f"{text} Not judged: {unjudged[0]}" if unjudged else text
+            text += f" Shrink fit of throw {fits[0].number}: {kept(fits[0].fit.refusals[0])}."
+        return f"{text} Not judged: {kept(unjudged[0])}" if unjudged else text
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each location, the one with the least acceptability first.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from crankbase.errors import InputError
 from crankbase.quantity import percent
 from crankbase.results import Quantity, Result, result
+from crankbase.sentences import kept
 from crankbase.table import SI, OutputUnits
 from fem.material import Material
 from geometry.throw import CrankThrow
@@ -108,7 +109,7 @@ class LawResults(Result):
     def sentence(self, units: OutputUnits = SI) -> str:
         """State the values with ends pinned, or why there are none."""
         if self.answers is None:
-            return units.text(f"The law does not apply to this throw: {self.reason}")
+            return units.written(f"The law does not apply to this throw: {kept(self.reason or '')}")
         pinned, twist = self.answers[AXIAL], self.answers[TORSIONAL]
         axial, torsional = units.of("1e-9 m/N"), units.of("1e-9 rad/(N m)")
         width = percent(pinned.upper / pinned.value - 1.0)

@@ -13,6 +13,7 @@ from crankbase.diagrams import COLORS, figure, legend_below, write_title
 from crankbase.errors import InputError, MeshError
 from crankbase.quantity import percent
 from crankbase.results import Number, Quantity, Result, made_from, result
+from crankbase.sentences import amount
 from crankbase.table import SI, Column, Main, OutputUnits, Table
 from crankfem.analyses.throw.law_record import LawResults
 from fem.analysis import ThrowAnalysis, axial_correction
@@ -204,7 +205,7 @@ class ThrowResults(Result):
             yield self.time_table()
         yield from map(Main, self.sentences(units))
         if not self.corrected:
-            yield Main(units.text(f"Note: {NOT_CORRECTED}"))
+            yield Main(units.written(f"Note: {NOT_CORRECTED}"))
 
     def plot(self, axes: "Axes | None" = None, *, support: str = "pinned") -> "Axes":
         """Draw the throw from the side with the forces on its pins and ends, as far as in this plane.
@@ -278,13 +279,13 @@ class ThrowResults(Result):
         )
         met = "" if self.accuracy_met else f"; the accuracy of {self.accuracy:.2g} was not met"
         masses = (
-            f"Mass {self.mass:.4g} kg, center of mass {self.center_of_mass[1] * 1e3:.4g} mm "
-            f"from the shaft axis, inertia about the shaft {self.inertia_about_shaft:.4g} kg m^2; "
-            f"static unbalance {static:.4g} kg m, dynamic unbalance "
-            f"about the middle {dynamic:.3g} kg m^2."
+            f"Mass {amount(self.mass, 'kg', 4)}, center of mass {amount(self.center_of_mass[1], 'm', 4)} "
+            f"from the shaft axis, inertia about the shaft {amount(self.inertia_about_shaft, 'kg m^2', 4)}; "
+            f"static unbalance {amount(static, 'kg m', 4)}, dynamic unbalance "
+            f"about the middle {amount(dynamic, 'kg m^2', 3)}."
         )
         model = f"Model: {self.model}, {self.unknowns:,} unknowns, solver {self.solver}{met}."
-        return list(filter(None, (units.text(masses), model, self.section_sentence)))
+        return list(filter(None, (units.written(masses), model, self.section_sentence)))
 
     def mode_table(self) -> Table:
         """Return the natural modes of the free throw."""

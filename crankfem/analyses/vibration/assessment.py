@@ -11,7 +11,7 @@ import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table_of
-from crankbase.quantity import RPM, percent
+from crankbase.quantity import percent
 from crankbase.results import (
     Flat,
     Hertz,
@@ -23,6 +23,7 @@ from crankbase.results import (
     made_from,
     result,
 )
+from crankbase.sentences import amount, joined, kept
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.assumptions import is_assumed
 from crankfem.analyses.shaft.chains import MOTION, damped_engine_chain, magnifier_of
@@ -77,7 +78,7 @@ from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import within
 from dynamics.response.forced import forced_response
 from dynamics.response.series import synthesis
-from dynamics.wording import conclusion_sentence
+from dynamics.wording import conclusion_sentences
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -347,10 +348,15 @@ class Uncertainty(Result):
     @property
     def barred_within_error(self) -> str:
         """Which speeds have to be barred over the range of the compliances; empty if none."""
-        shown = ", ".join(f"{RPM * span.low:.0f} to {RPM * span.high:.0f}" for span in self.barred)
-        if not shown:
+        if not self.barred:
             return ""
-        return f"over that range of the compliances, speeds to be barred are within {shown} 1/min"
+        ends = [end for span in self.barred for end in (span.low, span.high)]
+        texts = [
+            amount(end, "rad/s", decimals=0, bare=place + 1 < len(ends))
+            for place, end in enumerate(ends)
+        ]
+        shown = ", ".join(map(" to ".join, zip(texts[::2], texts[1::2], strict=True)))
+        return f"over that range of the compliances, speeds to be barred are within {shown}"
 
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies with their bounds.
@@ -365,7 +371,7 @@ class Uncertainty(Result):
         for spread in self.spreads:
             yield f"{kind}: {spread.name} {factor_range(spread)} the value used"
         if self.barred:
-            yield units.text(f"{kind}: {self.barred_within_error}.")
+            yield units.written(f"{kind}: {kept(self.barred_within_error)}.")
         yield Table.of_records(
             f"{kind} critical speeds with uncertainty ranges, and margins to running speeds"
             + (
@@ -519,7 +525,12 @@ class Assessment(Result):
     @property
     def conclusion(self) -> str:
         """What can be concluded despite the assumptions, then the verdict with the values used."""
-        return conclusion_sentence(self.verdict.sentence, self.decision.sentence, self.undecided)
+        return joined(" ", self.conclusions)
+
+    @property
+    def conclusions(self) -> tuple[str, ...]:
+        """The conclusion, sentence by sentence: the first states it, the others why."""
+        return conclusion_sentences(self.verdict.sentences, self.decision.reasons, self.undecided)
 
     def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from crankbase.array_checks import FloatArray
 from crankbase.frames import table
-from crankbase.quantity import compact
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses
@@ -123,7 +122,7 @@ class BearingSweep(Result):
     def stiffness_range(self) -> str:
         """The range in words."""
         low, high = self.stiffness[[0, -1]].tolist()
-        return f"stiffness of the main bearings {compact(low)} to {compact(high)} N/m each"
+        return f"stiffness of the main bearings {wording.stiffness_range(low, high)} each"
 
     @property
     def flips(self) -> Part[bool]:

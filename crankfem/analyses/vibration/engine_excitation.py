@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
+from crankbase.sentences import capital
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.engine_mechanism import (
     curve_at,
@@ -194,7 +195,7 @@ class EngineLoad(Result):
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
         """Return power, the load as a function of the speed, and the load at some speeds if it varies."""
         for text in (self.rated.sentence, self.sentence):
-            yield units.text(f"{text[0].upper()}{text[1:]}.")
+            yield units.written(f"{capital(text)}.")
         if self.law != "constant":
             yield self.table()
 

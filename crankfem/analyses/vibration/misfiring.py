@@ -12,6 +12,7 @@ from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.frames import Row, table_of
 from crankbase.results import Flat, InItsUnit, Internal, Part, Quantity, Result, Speed, result
+from crankbase.sentences import joined
 from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains, cause_at
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
@@ -348,7 +349,7 @@ class Misfiring(Result):
         sentences.append("" if most.normal_keeps and most is self.worst else most.news)
         who = self.cases[0] if len(self.cases) == 1 else ()
         sentences.append(wording.speeds_while_misfiring(who, self.exceeded, self.restriction))
-        return " ".join(filter(None, sentences))
+        return joined(" ", filter(None, sentences))
 
     @property
     def restriction(self) -> str:

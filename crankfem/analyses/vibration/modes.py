@@ -16,6 +16,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table_of
 from crankbase.quantity import RPM
 from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, Speed, result
+from crankbase.sentences import with_sentences
 from crankbase.table import Column, Table
 from crankfem.analyses.shaft.chains import (
     MOTION,
@@ -52,6 +53,7 @@ LEAST_SPEED = 1e-3
 Kind = Literal["axial", "torsional"]
 
 
+@with_sentences
 @dataclass(frozen=True)
 class SourceResult:
     """A chain with the compliances of one source, and its modes.

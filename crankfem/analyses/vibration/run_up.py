@@ -11,6 +11,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table_of
 from crankbase.quantity import parse_quantity
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
+from crankbase.sentences import kept
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
@@ -129,7 +130,7 @@ class RunUp(Result):
             weight=lambda spring: spring.largest,
             main=True,
         )
-        yield from (units.text(f"Note: {note}") for note in self.notes)
+        yield from (units.written(f"Note: {kept(note)}") for note in self.notes)
 
 
 def parse_duration(text: str) -> float:

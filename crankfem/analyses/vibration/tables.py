@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crankbase.quantity import RPM, UNBOUNDED
+from crankbase.sentences import amount, capital, joined, kept, listed
 from crankbase.table import SI, Cell, Column, Main, OutputUnits, Table
 from crankfem.analyses.shaft.chains import MOTION
 from crankfem.analyses.vibration.assessment import ROWS_SHOWN, Assessment
@@ -20,7 +21,7 @@ from dynamics.assessment.separation import CriticalRange
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.indices import at_most
 from dynamics.response.damped_criticals import LEAST_PEAK, DampedCritical
-from dynamics.wording import VERDICTS, limit_at
+from dynamics.wording import limit_at
 
 # Quantities of which there is one place, which they name.
 LONE_PLACE = ("free end", "torsional damper", "coupling")
@@ -39,41 +40,43 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
     """Return all tables and paragraphs, the verdict last; critical speeds only where nothing is forced."""
 
     def notes(remarks: Sequence[str]) -> Iterator[str]:
-        return (units.text(f"Note: {remark}") for remark in remarks)
+        return (units.written(f"Note: {kept(remark)}") for remark in remarks)
 
     forced, whole, misfiring = run.forced_by_kind, run.whole_crankshaft, run.misfiring
-    yield units.text(run.firing_order)
-    yield from notes([f"{remark}." for remark in run.firing_remarks])
+    yield units.written(run.firing_order)
+    yield from notes([f"{kept(remark)}." for remark in run.firing_remarks])
     if run.load is not None:
         yield from run.load.parts(units)
     yield Main(
-        "Natural frequencies by the chains: "
-        + "; ".join(
-            f"{modes.kind} {', '.join(f'{mode.frequency:.4g}' for mode in modes.elastic_modes[:3])} Hz"
-            for modes in (run.axial, run.torsional)
+        units.written(
+            "Natural frequencies by the chains: "
+            + "; ".join(
+                f"{modes.kind} {listed([m.frequency for m in modes.elastic_modes[:3]], 'Hz', 4)}"
+                for modes in (run.axial, run.torsional)
+            )
+            + "."
         )
-        + "."
     )
     for vibration in (run.axial, run.torsional):
         yield vibration.mode_table()
         if note := vibration.formula_note:
-            yield Main(units.text(f"{note[0].upper()}{note[1:]}."))
+            yield Main(units.written(f"{capital(note)}."))
         if forced is None:
             yield replace(vibration.critical_table(), main=True)
         yield vibration.source_table().select("source", "frequencies", "ratio to chosen")
-        yield from notes([f"Not used: {remark}." for remark in vibration.unusable])
+        yield from notes([f"Not used: {kept(remark)}." for remark in vibration.unusable])
         if forced is not None:
             answer = forced[vibration.kind]
             for line in (*answer.damping, *answer.all_remarks):
-                yield units.text(f"{vibration.kind.capitalize()}: {line}")
+                yield units.written(f"{vibration.kind.capitalize()}: {kept(line)}")
             yield resonance_table(answer, units)
             yield element_table(answer)
         if vibration.kind == "axial" and run.thrust is not None:
-            yield from map(units.text, run.thrust.sentences)
+            yield from map(units.written, run.thrust.sentences)
     if whole is not None:
         yield from whole_parts(whole, units)
     if run.bearings is not None:
-        yield from map(units.text, run.bearings.sentences)
+        yield from map(units.written, run.bearings.sentences)
     if count := len(run.assumed):
         counted = "1 value is" if count == 1 else f"{count} values are"
         yield Main(f"{counted} assumed, not given; crankfem check lists them with their reasons.")
@@ -81,7 +84,7 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
         yield Main(NOT_FORCED)
         return
     if run.bearings is not None:
-        yield units.text(f"Axial and torsional: {run.bearings.stiffness_range}")
+        yield units.written(f"Axial and torsional: {kept(run.bearings.stiffness_range)}")
     yield from assessment_parts(run.assessment, units)
     if misfiring is not None:
         yield misfiring_table(misfiring, units)
@@ -89,11 +92,11 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
     elif run.misfiring_note:
         yield from notes([run.misfiring_note])
     if whole is None:
-        yield from notes([f"{CHAINS_USED}; {run.not_comparable or CHAINS_ALONE}"])
+        yield from notes([f"{CHAINS_USED}; {kept(run.not_comparable or CHAINS_ALONE)}"])
     yield from range_sentences(run.assessment, units)
-    yield from (Main(units.text(line)) for line in judgment(run.assessment))
+    yield from judgment(run.assessment, units)
     if misfiring is not None:
-        yield Main(units.text(f"Misfiring: {misfiring.sentence}"))
+        yield Main(units.written(f"Misfiring: {kept(misfiring.sentence)}"))
 
 
 def assessment_parts(assessment: Assessment, units: OutputUnits = SI) -> Iterator[Table | str]:
@@ -102,19 +105,19 @@ def assessment_parts(assessment: Assessment, units: OutputUnits = SI) -> Iterato
         yield from uncertain.parts(units)
     for name in dict.fromkeys(check.limit.name for check in assessment.verdict.checks):
         yield limit_table(assessment, name, units)
-    lowest, highest = (RPM * speed for speed in assessment.verdict.running_range)
+    lowest, highest = assessment.verdict.running_range
     for limit in assessment.judged_limits:
-        assumed, end = ", assumed" if limit.assumed else "", RPM * limit.judged_to
+        assumed, end = ", assumed" if limit.assumed else "", limit.judged_to
         beyond = (
-            f", because it also applies above the highest running speed of {highest:.4g} 1/min"
+            f", because it also applies above the highest running speed of {wording.at_speed(highest)}"
             if end > highest
             else ""
         )
-        yield units.text(
-            f"Limit on {limit.name}: {limit.source}{assumed}; judged from {lowest:.4g} to "
-            f"{end:.4g} 1/min{beyond}."
+        yield units.written(
+            f"Limit on {limit.name}: {kept(limit.source)}{assumed}; judged from "
+            f"{wording.speed_range(lowest, end)}{beyond}."
         )
-    yield from (units.text(f"Note: {remark}") for remark in assessment.all_remarks)
+    yield from (units.written(f"Note: {kept(remark)}") for remark in assessment.all_remarks)
 
 
 def range_sentences(assessment: Assessment, units: OutputUnits = SI) -> Iterator[str]:
@@ -122,24 +125,18 @@ def range_sentences(assessment: Assessment, units: OutputUnits = SI) -> Iterator
     for passed in assessment.verdict.deciding_first:
         # The verdict has the reasons of those that cannot be accepted.
         text = (
-            f"{passed.sentence}."
+            f"{kept(passed.sentence)}."
             if passed.allowed
             else wording.barring(passed.low, passed.high, passed.position, allowed=False)
         )
-        yield Main(units.text(f"Range {text} Its ends: {passed.ends}."))
+        yield Main(units.written(f"Range {text}"), units.written(f"Its ends: {kept(passed.ends)}."))
 
 
-def judgment(assessment: Assessment) -> Iterator[str]:
-    """Return the verdict with its reasons, what decides it, and how sure it is."""
-    verdict, decision = assessment.verdict, assessment.decision
-    if assessment.undecided:
-        yield f"Verdict: {VERDICTS['undecided'].lower()}, {decision.sentence}."
-        yield f"With the values used: {verdict.sentence}"
-    else:
-        yield f"Verdict: {verdict.sentence}"
-        if decision.sentence:
-            yield f"It depends on assumed or uncertain values: {decision.sentence}."
-    yield from assessment.all_beside
+def judgment(assessment: Assessment, units: OutputUnits = SI) -> Iterator[Main]:
+    """Return the conclusion with its reasons, and how sure it is."""
+    first, *further = map(units.written, assessment.conclusions)
+    yield Main(f"Verdict: {first}", *further)
+    yield from (Main(units.written(text)) for text in assessment.all_beside)
 
 
 def resonance_table(forced: ForcedVibration, units: OutputUnits = SI) -> Table:
@@ -156,9 +153,9 @@ def resonance_table(forced: ForcedVibration, units: OutputUnits = SI) -> Table:
     running, judged = forced.running_range[1], forced.judged_range[1]
     where = "in the running range"
     if judged > running:
-        where = units.text(
-            f"at the speeds judged: the running range to {RPM * running:.4g} 1/min, and above it to "
-            f"{RPM * judged:.4g} 1/min, as far as a limit applies"
+        where = units.written(
+            f"at the speeds judged: the running range to {wording.at_speed(running)}, and above it to "
+            f"{wording.at_speed(judged)}, as far as a limit applies"
         )
     return Table.of_records(
         f"{kind.capitalize()} resonances {where}"
@@ -414,7 +411,7 @@ def whole_parts(whole: WholeVibration, units: OutputUnits = SI) -> Iterator[Tabl
     """Return modes of the whole crankshaft, and its comparison with the chains."""
     compared, length = whole.comparison, units.of("um")
     yield whole_table(whole)
-    yield from (units.text(f"Note: {remark}") for remark in whole.shaft.remarks)
+    yield from (units.written(f"Note: {kept(remark)}") for remark in whole.shaft.remarks)
     for kind in whole.criticals:
         yield whole_critical_table(whole, kind)
     for kind, chain in compared.chains.items():
@@ -428,11 +425,11 @@ def whole_parts(whole: WholeVibration, units: OutputUnits = SI) -> Iterator[Tabl
         if chain.suffices:
             yield wording.adequate_chain(kind)
         else:
-            yield units.text(f"{wording.inadequate_chain(kind)} {' '.join(chain.reasons)}")
+            yield units.written(f"{wording.inadequate_chain(kind)} {joined(' ', chain.reasons)}")
     for difference in compared.differences:
-        yield f"{difference.sentence[0].upper()}{difference.sentence[1:]}."
+        yield units.written(f"{capital(difference.sentence)}.")
     if compared.flywheel_tilt is not None:
-        yield units.text(compared.flywheel_tilt.sentence)
+        yield units.written(compared.flywheel_tilt.sentence)
     split = compared.axial_split
     if split is not None:
         causes = (
@@ -442,7 +439,7 @@ def whole_parts(whole: WholeVibration, units: OutputUnits = SI) -> Iterator[Tabl
         )
         words = [
             f"{length.number(amplitude)} {length.name} by {cause} at "
-            + units.text(f"{RPM * speed:.0f} 1/min")
+            + units.written(amount(speed, "rad/s", decimals=0))
             for amplitude, speed, cause in causes
         ]
         yield f"Axial amplitude of the free end, each at its own worst running speed: {', '.join(words)}"

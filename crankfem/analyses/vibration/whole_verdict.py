@@ -9,6 +9,7 @@ import numpy as np
 
 from crankbase.array_checks import ComplexArray
 from crankbase.results import Flat, InItsUnit, Number, Quantity, Result, Speed, result
+from crankbase.sentences import finished, joined
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
@@ -321,11 +322,11 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
     same = next((check for check in chains.checks if check.limit.name == worst.limit.name), None)
     shown: list[str] = []
     if whole.status == "barred range needed":
-        shown = [", ".join(barred.shown for barred in whole.barred)]
+        shown = [joined(", ", (barred.shown for barred in whole.barred))]
     elif worst.passed:  # not acceptable by what is not told above
         refused = (*whole.barred, *whole.started_through)
         shown = [barred.sentence for barred in refused if not barred.allowed]
-    return wording.whole_use(
+    text = wording.whole_use(
         f"{wording.limit_at(worst.limit.name, worst.curve.name)}, {_use(worst)}",
         {check.limit.name for check in whole.checks if check.curve in by_chains},
         "" if same is None else f"{same.curve.name}, {_use(same)}",
@@ -333,6 +334,7 @@ def whole_sentence(whole: Verdict, chains: Verdict) -> str:
         whole.status,
         shown,
     )
+    return finished(text)
 
 
 def _use(check: LimitCheck) -> str:
@@ -346,5 +348,5 @@ def decision_by_both(decision: Decision, whole: Verdict, chains: Verdict) -> Dec
     accepted = [verdict.status != "not acceptable" for verdict in (chains, whole)]
     if accepted[0] == accepted[1]:
         return decision
-    sentence = wording.by_one_model(accepted[0], decision.sentence)
-    return replace(decision, status="undecided", sentence=sentence)
+    reasons = (wording.by_one_model(accepted[0]), *decision.reasons)
+    return replace(decision, status="undecided", reasons=reasons)

@@ -10,6 +10,7 @@ import typer
 
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
+from crankbase.sentences import capital, kept
 from crankbase.table import Cell, Column, Main, Table
 from crankfem.cli import console
 from crankfem.cli.commands import completion
@@ -120,7 +121,7 @@ def lookup(
         # Dimensions that the command line gives in place of the file.
         names = [pair.partition("=")[0].strip() for pair in dimensions or ()]
         changed = f" with {', '.join(names)} as given" if names else ""
-        parts.append(Main(out.units.text(f"Throw of {throw}{changed}: {', '.join(used)}.")))
+        parts.append(Main(out.units.written(f"Throw of {throw}{changed}: {', '.join(used)}.")))
     if any(answer.support in ("pinned", "guided") for answer in answers.values()):
         parts.append(ENDS)
     if by_law:
@@ -128,7 +129,7 @@ def lookup(
     elif banded := _banded(answers, angle is not None):
         parts += _bands(loaded, banded)
     for name, reason in refused.items():
-        parts.append(Main(out.units.text(f"{_title(name)}: left out; {reason}")))
+        parts.append(Main(out.units.written(f"{_title(name)}: left out; {reason}")))
     shown, *remarks = _answer_parts(answers, out.units)
     out.show(parts, *remarks, shown)
 
@@ -202,7 +203,7 @@ def _answer_parts(answers: "dict[str, Lookup]", units: "OutputUnits") -> "Iterat
             with_remark.setdefault(remark, []).append(_title(name))
     for remark, names in with_remark.items():
         of = "" if len(names) == len(shown) else f"{', '.join(names)}: "
-        yield units.text(f"{of}{remark}")
+        yield units.written(f"{of}{kept(remark)}")
 
 
 def _bands(model: "ComplianceModel", names: list[str]) -> Iterator[str]:
@@ -490,7 +491,7 @@ def _optimum_parts(
     from crankfem.cli.arguments import dimensions_text
 
     for remark in best.remarks:
-        yield Main(units.text(f"{remark[0].upper()}{remark[1:].rstrip('.')}."))
+        yield Main(units.written(f"{capital(remark).rstrip('.')}."))
     if best.limits:
         names = ("limit", "bound", "value", "worst in its band", "kept")
         yield Table(
@@ -510,4 +511,4 @@ def _optimum_parts(
         )
     for name, text in zip(best.factors, dimensions_text(model, best.factors), strict=True):
         end = " (end of its range)" if name in best.at_ends else ""
-        yield Main(units.text(f"  {text}{end}"))
+        yield Main(units.written(f"  {text}{end}"))

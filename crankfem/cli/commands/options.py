@@ -273,11 +273,7 @@ def exit_unless_acceptable(run: "EngineVibration") -> None:
     SystemExit
         With code 4 if the verdict is "not acceptable" for all assumptions, with 5 if it is undecided.
     """
-    from dynamics.wording import undecided_sentence  # here: numpy takes its time
-
     assert run.assessment is not None
-    decision, verdict = run.assessment.decision, run.assessment.verdict
-    if decision.status == UNDECIDED:
-        console.exit_by_verdict(undecided_sentence(decision.sentence), EXIT_UNDECIDED)
-    if decision.status == NOT_ACCEPTABLE:
-        console.exit_by_verdict(f"Limits are exceeded: {verdict.sentence}", EXIT_LIMITS)
+    codes = {UNDECIDED: EXIT_UNDECIDED, NOT_ACCEPTABLE: EXIT_LIMITS}
+    if code := codes.get(run.assessment.decision.status):
+        console.exit_by_verdict(run.assessment.conclusions[0], code)

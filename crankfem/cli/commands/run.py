@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankbase.errors import InputError
-from crankbase.table import Main, Table
+from crankbase.table import Table
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
@@ -70,7 +70,7 @@ def run(
     else:
         verdict = verdict_line(made.results.vibration, made.results.strength)
         parts = _parts(made.results, out.units)
-        out.show(parts, f"Report: {made.report}", out.units.text(verdict))
+        out.show(parts, f"Report: {made.report}", out.units.written(verdict))
     if strict:
         exit_unless_acceptable(made.results.vibration)
 
@@ -79,7 +79,7 @@ def _parts(results: "RunResults", units: "OutputUnits") -> Iterator[Table | str]
     from crankfem.report.summary import summary_parts, worst_tables
 
     yield from worst_tables(results.vibration, units)
-    yield from map(Main, summary_parts(results, units))
+    yield from summary_parts(results, units)
     for part in _details(results, units):
         yield str(part) if isinstance(part, str) else replace(part, main=False)
 

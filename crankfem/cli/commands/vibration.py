@@ -166,6 +166,6 @@ def vibration(
             for kind, folder, made in files
             if made is not None
         ]
-        out.show(parts, *written_to, out.units.text(verdict_line(run)))
+        out.show(parts, *written_to, out.units.written(verdict_line(run)))
     if strict:
         exit_unless_acceptable(run)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from crankbase.sentences import kept
 from crankbase.table import SI, Cell, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import (
@@ -29,7 +30,7 @@ if TYPE_CHECKING:  # of whole engines, for which much is loaded that a throw doe
 
 
 def _notes(remarks: Iterable[str], units: OutputUnits) -> Iterator[str]:
-    return (units.text(f"Note: {remark}") for remark in remarks)
+    return (units.written(f"Note: {kept(remark)}") for remark in remarks)
 
 
 _PARTS = {
@@ -110,9 +111,9 @@ def _kind_parts(
     ]
     yield Table(title, columns, rows, main=True)
     for text, place in numbers.items():
-        yield units.text(f"  {place}. {text}")
+        yield units.written(f"  {place}. {kept(text)}")
     for without in formulas.left_out if kind == "axial" else ():
-        yield units.text(f"  Left out: {without.reason}.")
+        yield units.written(f"  Left out: {kept(without.reason)}.")
     if law is not None:
         low, high = (units.of(unit).with_name(end) for end in (law.lower, law.upper))
         beside = "neighbors" in law.support
@@ -133,7 +134,7 @@ def engines_parts(
     """Return the compliances of several engines by all formulas, one row for each."""
     for each in engines:
         for without in each.formulas.left_out:
-            yield units.text(f"Left out of {each.engine}: {without.reason}.")
+            yield units.written(f"Left out of {each.engine}: {kept(without.reason)}.")
     yield _legend()
     yield Main("* outside the range where the formula has a meaning.")
     gamma = f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"
@@ -280,7 +281,7 @@ def reaction_parts(results: ReactionResults, units: OutputUnits) -> Iterator[Tab
             )
         yield Main(f"Axial reaction {name}: {accuracy}")
     for name, reason in results.refused.items():
-        yield Main(units.text(f"Reactions {name}: left out; {reason}"))
+        yield Main(units.written(f"Reactions {name}: left out; {kept(reason)}"))
 
 
 FILE_KINDS = {
@@ -295,7 +296,7 @@ FILE_KINDS = {
 def check_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str]:
     """Return how a file is understood."""
     for warning in record["warnings"]:
-        yield Main(units.text(f"Warning: {warning.rstrip('.')}."))
+        yield Main(units.written(f"Warning: {kept(warning).rstrip('.')}."))
     yield f"Sections: {', '.join(record['sections'])}."
     if record["arrangement"] is not None:
         yield from _arrangement_parts(record["engine"], record["arrangement"], units)

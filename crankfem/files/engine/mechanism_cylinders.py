@@ -9,6 +9,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
+from crankbase.sentences import angle, capital, finished, listed, with_sentences
 from crankfem.files.sections.crank_throws import ShaftLayout
 from crankfem.files.sections.engine_sections import Engine
 from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
@@ -269,6 +270,7 @@ def _positions(
 MUCH = 2.0
 
 
+@with_sentences
 @dataclass(frozen=True)
 class FiringEvenness:
     """What to say of firing intervals that are not even.
@@ -302,7 +304,7 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
         every = sum(steps) / len(steps)
         better = (
             f"engine.firing_order: given {order}, which fires at uneven intervals of {uneven}; an order such "
-            f"as {'-'.join(map(str, even))} fires every {every:g} deg with the same cranks"
+            f"as {'-'.join(map(str, even))} fires every {angle(every)} with the same cranks"
         )
         return FiringEvenness((*together, better))
     banked = engine.bank_angles is not None
@@ -330,10 +332,10 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
 def firing_sentence(engine: Engine) -> str:
     """Say in which order and at which intervals an engine fires, or its cranks come to the top."""
     steps = engine.firing_intervals_deg
-    order = f"{order_named(engine.driven_by)} {'-'.join(map(str, engine.top_order))}"
+    order = capital(f"{order_named(engine.driven_by)} {'-'.join(map(str, engine.top_order))}")
     if max(steps) - min(steps) < np.degrees(EVEN):
-        return f"{order[0].upper()}{order[1:]}, even: every {sum(steps) / len(steps):g} deg."
-    return f"{order[0].upper()}{order[1:]}, uneven: intervals of {intervals_text(steps)}."
+        return finished(f"{order}, even: every {angle(sum(steps) / len(steps))}.")
+    return finished(f"{order}, uneven: intervals of {intervals_text(steps)}.")
 
 
 def order_named(driven_by: str | None) -> str:
@@ -345,7 +347,7 @@ def intervals_text(intervals_deg: Sequence[float]) -> str:
     """Write intervals; of those that repeat, each once."""
     repeated = repeating_intervals(intervals_deg)
     again = " in turn" if 1 < len(repeated) < len(intervals_deg) else ""
-    return f"{', '.join(f'{step:g}' for step in np.round(repeated, 1))} deg{again}"
+    return f"{listed(np.radians(np.round(repeated, 1)).tolist(), 'rad')}{again}"
 
 
 def _together(engine: Engine) -> Iterator[str]:

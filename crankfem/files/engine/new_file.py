@@ -11,6 +11,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.quantity import parse_quantity
+from crankbase.sentences import written
 from crankfem.files.engine.mechanism_cylinders import intervals_text
 from dynamics.engine.layout import EVEN, firing_intervals
 from geometry.throw import CrankThrow
@@ -124,7 +125,7 @@ def engine_template(
     evenly = (
         f"every {steps[0]:.6g} deg"
         if np.ptp(steps) < np.degrees(EVEN)
-        else intervals_text(steps.tolist())
+        else written(intervals_text(steps.tolist()))
     )
     title = f"{cylinders} {'cylinder' if cylinders == 1 else 'cylinders'} {arranged}"
     return Template(_text()).substitute(

@@ -8,7 +8,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from crankbase.model import field_extra
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount, angle
 from crankbase.table import text_rows
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import inertia_of_masses
@@ -260,7 +260,7 @@ def first_nodes(file: EngineFile) -> Iterator[tuple[str, bool]]:
         twice = FLYWHEEL_AGAIN[0] <= added / size <= FLYWHEEL_AGAIN[1]
         sentence = (
             f"shaft_line.{kind}: its first node {line.names[0]!r} is the flywheel, and adds "
-            f"{format_quantity(added, unit, 4)} to the {format_quantity(size, unit, 4)} of [flywheel]"
+            f"{amount(added, unit, 4)} to the {amount(size, unit, 4)} of [flywheel]"
         )
         yield sentence + ("; perhaps both files give the flywheel" if twice else ""), twice
 
@@ -275,11 +275,11 @@ def near_angles(field: str, angles: Sequence[float] | None) -> Iterator[str]:
         abs(math.degrees(math.remainder(first - second, math.tau)))
         for first, second in combinations(angles or (), 2)
     ]
-    near = [angle for angle in between if 1e-3 < angle < NEAREST_ANGLES]
+    near = [gap for gap in between if 1e-3 < gap < NEAREST_ANGLES]
     if near:
         yield (
-            f"{field}: two of these differ by {min(near):.3g} deg; usual is one angle or at least "
-            f"{NEAREST_ANGLES:g} deg between them ({PRACTICE})"
+            f"{field}: two of these differ by {angle(min(near), 3)}; usual is one angle or at least "
+            f"{angle(NEAREST_ANGLES)} between them ({PRACTICE})"
         )
 
 
@@ -300,16 +300,16 @@ def _counterweights(scale: EngineScale) -> Iterator[str]:
             reach = max(weight.outer_radius if weight else 0.0, 0.5 * throw.web_width)
             if reach >= room:
                 yield (
-                    f"{section}: counterweight or web reaches {format_quantity(reach, 'm', 4)} from the "
+                    f"{section}: counterweight or web reaches {amount(reach, 'm', 4)} from the "
                     f"shaft axis on the {side}, where {'the skirt' if skirt else 'the piston pin'} comes "
-                    f"down to {format_quantity(room, 'm', 4)}: they meet"
+                    f"down to {amount(room, 'm', 4)}: they meet"
                 )
             over = weight and weight.offset + 0.5 * ((weight.thickness or thickness) - thickness)
             if over and over > BESIDE_ROD * throw.pin_length:
                 yield (
-                    f"{section}.counterweight: reaches {format_quantity(over, 'm', 4)} over the pin on the "
+                    f"{section}.counterweight: reaches {amount(over, 'm', 4)} over the pin on the "
                     f"{side}, where the rod's big end is; usual is at most {BESIDE_ROD:g} of pin_length, "
-                    f"{format_quantity(BESIDE_ROD * throw.pin_length, 'm', 4)} ({PRACTICE})"
+                    f"{amount(BESIDE_ROD * throw.pin_length, 'm', 4)} ({PRACTICE})"
                 )
 
 

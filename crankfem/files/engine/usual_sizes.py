@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from crankbase.errors import InputError
 from crankbase.model import GD2_OF_INERTIA, gd2_name
-from crankbase.quantity import PER_MINUTE, RPM, format_number, format_quantity, percent
+from crankbase.quantity import PER_MINUTE, RPM, UNITS, format_number, percent
+from crankbase.sentences import amount, listed
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.crank_throws import PLAIN
 from dynamics.excitation.pressure_map import EnginePower
@@ -47,15 +48,19 @@ class UsualRange:
         """Give the sentence about a value far outside of the range; none about any other."""
         if self.low / self.margin <= value <= self.high * self.margin:
             return
-        shown = self.meaning.format(f"{format_number(value, 3)} {self.unit}")
-        yield (
-            f"{field}: {text}, which {shown}; usual is {self.low:g} to {self.high:g} {self.unit} "
-            f"({self.basis})"
-        )
+        shown = self.meaning.format(self._written(value, digits=3))
+        yield f"{field}: {text}, which {shown}; usual is {self._written(self.low, self.high)} ({self.basis})"
+
+    def _written(self, *values: float, digits: int = 6) -> str:
+        """Write values of the ratio with its unit behind the last one."""
+        if self.unit in UNITS:
+            unit, size = UNITS[self.unit]
+            return listed([size * value for value in values], unit, digits, " to ", shown=self.unit)
+        return f"{' to '.join(format_number(value, digits) for value in values)} {self.unit}"
 
     def warning_of(self, field: str, value: float, unit: str, ratio: float) -> Iterator[str]:
         """Give the sentence about a quantity in SI units, with the slip that one factor explains."""
-        for sentence in self.warning(field, f"given {format_quantity(value, unit, 5)}", ratio):
+        for sentence in self.warning(field, f"given {amount(value, unit, 5)}", ratio):
             slips = dict(self.slips)
             if unit.endswith("/rad"):
                 slips |= {math.degrees(1.0): "per degree", math.radians(1.0): "per degree"}
@@ -68,7 +73,7 @@ class UsualRange:
                 slips |= {1.0 / GD2_OF_INERTIA: mixed, GD2_OF_INERTIA: mixed}
             slips |= {1e3: "a unit's prefix", 1e-3: "a unit's prefix"}
             suiting = (
-                f"; perhaps {slip}: {format_quantity(value * factor, unit, 3)} would suit"
+                f"; perhaps {slip}: {amount(value * factor, unit, 3)} would suit"
                 for factor, slip in slips.items()
                 if self.low <= ratio * factor**self.power <= self.high
             )
@@ -184,7 +189,7 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
         for hole in throw.parts.drillings:
             yield from OIL_HOLE.warning(
                 f"{section}.oil_holes[{hole.number - 1}].diameter",
-                f"given {format_quantity(2.0 * hole.radius, 'm')}",
+                f"given {amount(2.0 * hole.radius, 'm')}",
                 hole.radius / hole.journal_radius,
             )
 
@@ -200,7 +205,7 @@ def _sharp_corners(section: str, throw: CrankThrow) -> Iterator[str]:
     usual = USUAL_FILLET * throw.main_journal_diameter
     try:
         more = axial_law(throw).pinned / axial_law(throw.changed(fillet_radius=usual)).pinned - 1.0
-        much = f"{percent(more, 2)} % above that with {format_quantity(usual, 'm', 3)}, by the law"
+        much = f"{percent(more, 2)} % above that with {amount(usual, 'm', 3)}, by the law"
     except InputError:
         much = f"{SHARP} above that with their fillets in throws of the shipped engines, by the law"
     yield (
@@ -226,9 +231,9 @@ def _out_of_proportion(
             high = min(high, value * usual.margin / usual.low if usual.low > 0.0 else math.inf)
         remarks += usual.warning_of(field, value, "m", value / getattr(throw, by))
     if len(remarks) > 1 and low <= high and not low <= journal <= high:
-        suiting = " to ".join(format_quantity(end, "m", 3) for end in (low, high))
+        suiting = " to ".join(amount(end, "m", 3) for end in (low, high))
         remarks = [
-            f"{section}.main_journal_diameter: given {format_quantity(journal, 'm')}, with which "
+            f"{section}.main_journal_diameter: given {amount(journal, 'm')}, with which "
             f"{len(remarks)} other dimensions of the throw are out of proportion; all of them suit {suiting} "
             f"({LAW})"
         ]
@@ -260,7 +265,7 @@ def size_warnings(file: EngineFile) -> Iterator[str]:
         yield from warn("throw.main_journal_diameter", journal, "m", JOURNAL, journal / bore)
     yield from PITCH.warning(
         "throw",
-        f"{format_quantity(pitch, 'm', 5)} from one main bearing to the next",
+        f"{amount(pitch, 'm', 5)} from one main bearing to the next",
         pitch / bore / _cylinders_in_line(file),
     )
     swept = 0.25 * math.pi * bore**2 * engine.stroke * 1e3  # [dm^3]
@@ -328,8 +333,8 @@ def _gas_exchange(file: EngineFile, power: EnginePower) -> Iterator[str]:
 
 def _absolute(usual: UsualRange, field: str, pressure: float, ratio: float) -> Iterator[str]:
     """Give the sentence about an absolute pressure [Pa] with what it would be if it were above ambient."""
-    absolute = format_quantity(pressure + ATMOSPHERE, "Pa", 3)
-    for sentence in usual.warning(field, f"given {format_quantity(pressure, 'Pa', 5)}", ratio):
+    absolute = amount(pressure + ATMOSPHERE, "Pa", 3)
+    for sentence in usual.warning(field, f"given {amount(pressure, 'Pa', 5)}", ratio):
         yield f"{sentence}; perhaps the pressure above ambient, {absolute} absolute"
 
 

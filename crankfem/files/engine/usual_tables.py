@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from crankbase.array_checks import FloatArray
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount, angle
 from crankfem.files.engine.usual_parts import EngineScale, Practice
 from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
@@ -52,9 +52,9 @@ def pressure_warnings(
     text = f"the pressure, with compression ratio {compression_ratio:g}"
     for sentence in EXPONENT.warning(field, text, exponent):
         yield f"{sentence}; perhaps {hint}"
-    peak = format_quantity(pressure.peak_pressure, "Pa", 3)
+    peak = amount(pressure.peak_pressure, "Pa", 3)
     yield from PEAK_ANGLE.warning(field, f"its peak of {peak}", pressure.peak_angle_deg)
-    least = f"its lowest pressure of {format_quantity(pressure.lowest, 'Pa', 3)}"
+    least = f"its lowest pressure of {amount(pressure.lowest, 'Pa', 3)}"
     for sentence in LOWEST.warning(field, least, pressure.lowest / ATMOSPHERE):
         yield f"{sentence}; perhaps gauge for absolute, or a dropout"
     order = np.argsort(pressure.angles_from_top)
@@ -67,7 +67,7 @@ def pressure_warnings(
         falls = rising / np.maximum.accumulate(rising)
         if falls.size and falls.min() < 1.0 - DROPOUT:
             yield (
-                f"{field}: the pressure at {at[int(np.argmin(falls))]:.4g} deg is {falls.min():.3g} times "
+                f"{field}: the pressure at {angle(at[int(np.argmin(falls))], 4)} is {falls.min():.3g} times "
                 f"that farther from the peak; usual is at least {1.0 - DROPOUT:g} times ({EXPONENT.basis}); "
                 "perhaps a dropout"
             )

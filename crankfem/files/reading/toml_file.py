@@ -23,6 +23,7 @@ from crankbase.input_file import (
 from crankbase.model import InputModel, field_extra, inertia_field, part_kind
 from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
 from crankbase.results import Result
+from crankbase.sentences import with_sentences
 from crankfem.files.reading.data_files import FILES_READ, InputFiles
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
@@ -289,6 +290,7 @@ def _before(lines: list[str], place: int) -> int | None:
 Model = TypeVar("Model", bound=InputModel)
 
 
+@with_sentences
 @dataclass(frozen=True)
 class InputRecord(Result):
     """One value of an input file, as given, with its source.

@@ -9,7 +9,8 @@ import numpy as np
 
 from crankbase.diagrams import GREEN, ORANGE, figure, legend_below, with_gaps, write_title
 from crankbase.errors import InputError
-from crankbase.quantity import RPM, format_quantity, percent
+from crankbase.quantity import RPM, percent
+from crankbase.sentences import amount, with_sentences
 from crankbase.table import Column, Table
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.shaft.chains import MOTION
@@ -36,6 +37,7 @@ from dynamics.plots.curves import quantity_display
 from dynamics.plots.harmonics import draw_star, finish_stars
 from dynamics.plots.mode_shapes import draw_chain_shapes
 from dynamics.torque import same_stars
+from dynamics.wording import at_speed
 
 # Stars in a row of a picture, and mode shapes in one picture.
 STARS_IN_ROW, SHAPES = 5, 3
@@ -130,6 +132,7 @@ class DocumentPicture:
     half: bool = False
 
 
+@with_sentences
 @dataclass(frozen=True)
 class DocumentPart:
     """A part of the document: title, sentences, then tables and diagrams in their order.
@@ -275,7 +278,7 @@ def _findings(run: EngineVibration, cases: FiringCases) -> DocumentPart:
         sentences.append(
             f"With {way}, the stress limits are {'kept' if worst.used <= 1.0 else 'exceeded'}. The worst "
             f"case is {name} with cylinder {cases.worst_cylinder(way, STRESS, name)} failing: "
-            f"{worst.value / 1e6:.4g} MPa at {format_quantity(worst.speed, 'rad/s', 4)}, "
+            f"{amount(worst.value, 'Pa', 4)} at {at_speed(worst.speed)}, "
             f"{percent(worst.used, 3)} % of the permitted stress."
         )
     sentences.append(tables.major_sentences(run)[0])

@@ -31,7 +31,7 @@ def render_class_document(
     file, engine = run.engine_file, run.engine_file.engine
     own_style = (TEMPLATES / "class.css").read_text(encoding="utf-8")
     return (
-        page_environment()
+        page_environment(None)
         .from_string((TEMPLATES / "class.html.j2").read_text(encoding="utf-8"))
         .render(
             engine=engine,

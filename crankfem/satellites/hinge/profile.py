@@ -24,6 +24,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table
 from crankbase.quantity import RPM, format_quantity
 from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
+from crankbase.sentences import amount, angle, kept
 from crankfem.satellites.hinge.crosshead import (
     TURN,
     CrossheadEngine,
@@ -525,13 +526,13 @@ class ProfileCheck(Result):
     @property
     def shown(self) -> str:
         """The value with its unit; "none" where there is nothing to measure."""
-        return format_quantity(self.value, self.unit, 4) if np.isfinite(self.value) else "none"
+        return amount(self.value, self.unit, 4) if np.isfinite(self.value) else "none"
 
     @property
     def sentence(self) -> str:
         """The value, whether the condition holds, and why it must."""
         outcome = "met" if self.met else "not met"
-        return f"{self.name.capitalize()}: {self.shown}, {outcome}; it must be {self.reason}."
+        return f"{self.name.capitalize()}: {kept(self.shown)}, {outcome}; it must be {self.reason}."
 
     def row(self) -> Row:
         """Return the columns of a table of checks, each value with its unit; see `table_of`.
@@ -722,20 +723,21 @@ class HingeProfile(Result):
         longest = -self.least_compression
         if longest > 1e-6 * self.spring.height:
             sentences.append(
-                f"The spring gets {longest * 1e3:.3g} mm longer than at the top dead center: its "
+                f"The spring gets {amount(longest, 'm', 3)} longer than at the top dead center: its "
                 "cylinder needs room for that."
             )
         if self.largest_force_angle_deg > STEEP_DEG:
             sentences.append(
-                f"The guides are steep: the roller force is up to {self.largest_force_angle_deg:.0f} "
-                "deg off the spring's axis (cams are kept below 30 deg), so friction matters."
+                f"The guides are steep: the roller force is up to "
+                f"{amount(math.radians(self.largest_force_angle_deg), 'rad', decimals=0)} off the "
+                f"spring's axis (cams are kept below {angle(30.0)}), so friction matters."
             )
         half = np.roll(self.radius, -(self.radius.size // 2))
         apart = float(np.max(np.abs(half - self.radius)))
         if apart > 1e-6 * self.start_radius:
             sentences.append(
-                f"Radii half a turn apart differ by up to {apart * 1e3:.3g} mm: each of the two rollers "
-                "needs a guide of its own, one turned by 180 deg against the other."
+                f"Radii half a turn apart differ by up to {amount(apart, 'm', 3)}: each of the two rollers "
+                f"needs a guide of its own, one turned by {angle(180.0)} against the other."
             )
         return tuple(sentences)
 

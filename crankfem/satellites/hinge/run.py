@@ -26,6 +26,7 @@ from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.quantity import RPM, format_quantity, percent
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
+from crankbase.sentences import amount, kept, listed
 from crankbase.table import SI, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import AssumedInput, assumed_values
 from crankfem.satellites.hinge.crosshead import KINEMATICS, Kinematics
@@ -333,8 +334,8 @@ class HingeRun(Result):
     def _moment_tables(self, units: OutputUnits) -> Iterator[Table | str]:
         moment = self.moment
         yield Table(
-            units.text(
-                f"{self.engine} at {RPM * self.speed:.4g} 1/min: moments on the crank "
+            units.written(
+                f"{self.engine} at {amount(self.speed, 'rad/s', 4)}: moments on the crank "
                 f"({self.kinematics} kinematics)"
             ),
             [
@@ -349,10 +350,10 @@ class HingeRun(Result):
             ],
         )
         low, high = moment.reduced_inertia
-        yield units.text(
-            f"Reduced inertia {low:.4g} to {high:.4g} kg m^2; the hinge stores and returns "
-            f"{moment.energy_swing / 1e3:.4g} kJ per revolution; integral of M_h over a revolution "
-            f"{abs(moment.closing_error):.1e} of that of its absolute value."
+        yield units.written(
+            f"Reduced inertia {listed((low, high), 'kg m^2', 4, ' to ')}; the hinge stores and returns "
+            f"{amount(moment.energy_swing, 'J', 4, shown='kJ')} per revolution; integral of M_h over a "
+            f"revolution {abs(moment.closing_error):.1e} of that of its absolute value."
         )
         deviations = (f"{name} {percent(share, 2)} %" for name, share in self.deviations.items())
         yield (
@@ -415,7 +416,7 @@ class HingeRun(Result):
             main=True,
         )
         for remark in profile.remarks:
-            yield units.text(f"Note: {remark}")
+            yield units.written(f"Note: {kept(remark)}")
 
     def _turning_tables(self, units: OutputUnits) -> Iterator[Table | str]:
         turning = self.turning
@@ -438,7 +439,7 @@ class HingeRun(Result):
             main=True,
         )
         if turning.without.reason is not None:
-            yield units.text(f"Note: without hinge and flywheel, {turning.without.reason}")
+            yield units.written(f"Note: without hinge and flywheel, {kept(turning.without.reason)}")
 
     def _other_tables(self, units: OutputUnits) -> Iterator[Table | str]:
         others = self.others
@@ -473,7 +474,7 @@ class HingeRun(Result):
                 f"{_inertia(other.flywheel, units)} without the hinge."
             )
             if other.chosen is not None:
-                yield units.text(_chosen_sentence(other.chosen, other, wanted, units))
+                yield _chosen_sentence(other.chosen, other, wanted, units)
 
     def _compared_tables(self, units: OutputUnits) -> Iterator[Table | str]:
         each = [(spring, spring.guides) for spring in self.compared]
@@ -500,7 +501,7 @@ class HingeRun(Result):
         )
         for spring in self.compared:
             if spring.refused is not None:
-                yield units.text(f"Note: {spring.refused}")
+                yield units.written(f"Note: {kept(spring.refused)}")
 
 
 def _chosen_sentence(

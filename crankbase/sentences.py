@@ -1,0 +1,386 @@
+"""Sentences that keep their values: written again in other units or with fewer digits, never searched.
+
+A function that words something writes a value by `amount`, as a mark, into an ordinary f-string. `finished`
+makes a sentence of it, which a door writes by `written` as it needs. What a person wrote has no marks, and
+stays as it is.
+"""
+
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from functools import cached_property, wraps
+from typing import Any, Protocol, Self, SupportsIndex, TypeVar, cast
+
+from crankbase.quantity import (
+    DISPLAY_UNITS,
+    UNBOUNDED,
+    UNITS,
+    compact_large,
+    number_and_unit,
+    significant,
+)
+
+
+class Shown(Protocol):
+    """A unit in which values are shown, as `crankbase.table.OutputUnit`."""
+
+    @property
+    def name(self) -> str:
+        """As it is written."""
+
+    @property
+    def size(self) -> float:
+        """In SI."""
+
+    @property
+    def wished(self) -> bool:
+        """Whether it replaces the usual one."""
+
+    def number(self, value: float | None, digits: int = 4) -> str:
+        """Write an SI number in it."""
+
+
+class Units(Protocol):
+    """Units in which values are shown, as `crankbase.table.OutputUnits`."""
+
+    def of(self, printed: str) -> Shown:
+        """Return the unit in place of a usual one."""
+
+
+T = TypeVar("T")
+# Around a value in a text. They are for private use in Unicode: no file and no keyboard has them.
+START, END = "\ue000", "\ue001"
+_MARK = re.compile(f"{START}([^{END}]*){END}")
+# Digits up to which two values are told apart, and with which an output unit is shown at least.
+MOST_DIGITS, LEAST_DIGITS = 6, 3
+
+
+@dataclass(frozen=True)
+class Amount:
+    """A value in a sentence, and how it is written.
+
+    Attributes
+    ----------
+    value : float
+        In SI.
+    unit : str
+        SI unit.
+    digits : int
+        Significant digits at most; all before the point stay.
+    decimals : int or None
+        Decimals instead of digits.
+    shown : str
+        One of `UNITS`, if it is not the usual one.
+    zeros : bool
+        Whether zeros at the end stay.
+    signed : bool
+        Whether it has a plus.
+    bare : bool
+        Whether its unit stands elsewhere, as in "500 to 600 1/min".
+    other : float or None
+        A value that it is told apart from, if the two differ.
+    exact : bool
+        Whether it was given, so that no digits are left out.
+    """
+
+    value: float
+    unit: str
+    digits: int = MOST_DIGITS
+    decimals: int | None = None
+    shown: str = ""
+    zeros: bool = False
+    signed: bool = False
+    bare: bool = False
+    other: float | None = None
+    exact: bool = False
+
+    def text(self, units: Units | None = None, most: int | None = None) -> str:
+        """Write it with its unit, with so many digits at most."""
+        number, unit = self.pair(units, most)
+        return number if self.bare else f"{number} {unit}".rstrip()
+
+    def pair(self, units: Units | None = None, most: int | None = None) -> tuple[str, str]:
+        """Write number and unit."""
+        digits, cut = self.digits, most
+        number, unit = self._pair(self.value, digits, units, cut)
+        while (
+            self.other not in (None, self.value)
+            and min(digits, MOST_DIGITS if cut is None else cut) < MOST_DIGITS
+            and self._pair(self.other or 0.0, digits, units, cut)[0] == number
+        ):
+            digits, cut = digits + 1, None if cut is None else cut + 1
+            number, unit = self._pair(self.value, digits, units, cut)
+        return number, unit
+
+    def _pair(
+        self, value: float, digits: int, units: Units | None, most: int | None
+    ) -> tuple[str, str]:
+        unit, size = DISPLAY_UNITS.get(self.unit, (self.unit, 1.0))
+        if self.shown:
+            unit, size = self.shown, UNITS[self.shown][1]
+        if self.decimals is not None:
+            number = f"{value / size:.{self.decimals}f}"
+        elif self.zeros:
+            number = significant(value / size, digits)
+        elif self.shown:
+            number = compact_large(value / size, digits)
+        else:
+            number, unit = number_and_unit(value, self.unit, digits)
+            size = UNITS[unit][1] if unit in UNITS else 1.0
+        converted = units.of(unit) if units is not None and unit in UNITS else None
+        if converted is not None and converted.wished:
+            kept = max(_digits(number), LEAST_DIGITS)
+            number, size = converted.number(value, kept), converted.size
+            unit = converted.name
+        if most is not None and not self.exact:
+            number = _cut(number, value / size, most)
+        return (f"+{number}" if self.signed and value >= 0.0 else number), unit
+
+
+def _digits(number: str) -> int:
+    """Count the significant digits of a number."""
+    return len(number.partition("e")[0].lstrip("+-").lstrip("0.").replace(".", ""))
+
+
+def _cut(number: str, exact: float, most: int) -> str:
+    """Write a number with so many digits; those before the point all stay."""
+    mantissa, e, power = number.partition("e")
+    before, _, decimals = mantissa.partition(".")
+    whole = before.lstrip("+-0")
+    leading = 0 if whole else len(decimals) - len(decimals.lstrip("0"))
+    kept = max(0, most - len(whole)) + leading
+    if kept >= len(decimals):
+        return number
+    return f"{exact / 10.0 ** int(power or 0):.{kept}f}{e}{power}"
+
+
+_DEFAULTS = {entry.name: entry.default for entry in fields(Amount)}
+
+
+def amount(value: float, unit: str, digits: int = MOST_DIGITS, **how: Any) -> str:
+    """Write a value into a text as a mark; what is unbounded as that.
+
+    Parameters
+    ----------
+    value : float
+        In SI.
+    **how
+        Further fields of `Amount`.
+
+    Examples
+    --------
+    >>> finished(f"The web is {amount(0.27, 'm')} wide.")
+    'The web is 270 mm wide.'
+    """
+    if math.isinf(value):
+        return UNBOUNDED
+    return _mark(Amount(float(value), unit, digits, **how))
+
+
+def apart(value: float, other: float, unit: str, digits: int = 3) -> tuple[str, str]:
+    """Write two values into a text, with up to six digits where that tells them apart.
+
+    Examples
+    --------
+    >>> reached, permitted = apart(22.28e6, 22.27e6, "Pa")
+    >>> finished(f"{reached} of {permitted}")
+    '22.28 MPa of 22.27 MPa'
+    """
+    if math.isinf(value) or math.isinf(other):
+        return amount(value, unit, digits), amount(other, unit, digits)
+    return amount(value, unit, digits, other=other), amount(other, unit, digits, other=value)
+
+
+def angle(degrees: float, digits: int = MOST_DIGITS) -> str:
+    """Write an angle [deg] into a text; see `amount`."""
+    return amount(math.radians(degrees), "rad", digits)
+
+
+def listed(
+    values: Sequence[float], unit: str, digits: int = MOST_DIGITS, between: str = ", ", **how: Any
+) -> str:
+    """Write several values into a text, with their unit behind the last one alone; see `amount`.
+
+    Examples
+    --------
+    >>> finished(listed((50.0, 60.0), "rad/s", 4, " to "))
+    '477.5 to 573 1/min'
+    """
+    last = len(values) - 1
+    return between.join(
+        amount(value, unit, digits, bare=place < last, **how) for place, value in enumerate(values)
+    )
+
+
+def _mark(part: Amount) -> str:
+    how = _how(part)
+    value, unit = how.pop("value"), how.pop("unit")
+    return f"{START}{'|'.join((repr(value), unit, *(f'{name}={how[name]}' for name in how)))}{END}"
+
+
+def _how(part: Amount) -> dict[str, Any]:
+    """Return what is not by default."""
+    return {
+        name: getattr(part, name)
+        for name, default in _DEFAULTS.items()
+        if default is MISSING or getattr(part, name) != default
+    }
+
+
+def _read(mark: str) -> Amount:
+    value, unit, *how = mark.split("|")
+    named: dict[str, Any] = dict(entry.split("=", 1) for entry in how)
+    for name, text in named.items():
+        named[name] = text if name == "shown" else _plain(text)
+    return Amount(float(value), unit, **named)
+
+
+def _plain(text: str) -> Any:
+    if text in ("True", "False"):
+        return text == "True"
+    return int(text) if text.lstrip("-").isdigit() else float(text)
+
+
+class Sentence(str):
+    """A text, with its values in SI units as they are usually written, which can be written otherwise.
+
+    It is kept where it is copied or joined by "+", but not in an f-string: that takes `kept`.
+
+    Attributes
+    ----------
+    marked : str
+        The text with marks in place of the values.
+    """
+
+    __slots__ = ("marked",)
+    marked: str
+
+    def __new__(cls, marked: str) -> Self:
+        """Write the values of a text with marks."""
+        made = super().__new__(cls, written(marked))
+        made.marked = kept(marked)
+        return made
+
+    def __getnewargs__(self) -> tuple[str]:
+        """Copies and pickles keep the values."""
+        return (self.marked,)
+
+    def __add__(self, other: str) -> str:
+        return finished(self.marked + kept(other))
+
+    def __radd__(self, other: str) -> str:
+        return finished(kept(other) + self.marked)
+
+    def removesuffix(self, suffix: str, /) -> str:
+        """Return it without an end."""
+        return finished(self.marked.removesuffix(suffix))
+
+    def rstrip(self, chars: str | None = None, /) -> str:
+        """Return it without letters at its end."""
+        return finished(self.marked.rstrip(chars))
+
+    def __getitem__(self, place: SupportsIndex | slice) -> str:
+        """Return a part; of all but a first letter the values are kept."""
+        if place == slice(1, None) and not self.marked.startswith(START):
+            return finished(self.marked[1:])
+        return super().__getitem__(place)
+
+    def record(self) -> list[Any]:
+        """Return the text as JSON holds it: words and values in turn."""
+        pieces = _MARK.split(self.marked)
+        return [
+            _how(_read(piece)) if place % 2 else piece
+            for place, piece in enumerate(pieces)
+            if piece
+        ]
+
+    @classmethod
+    def from_record(cls, pieces: Iterable[str | Mapping[str, Any]]) -> Self:
+        """Read what `record` returned."""
+        return cls(
+            "".join(piece if isinstance(piece, str) else _mark(Amount(**piece)) for piece in pieces)
+        )
+
+
+def finished(text: str) -> str:
+    """Return a finished text; one without values is plain."""
+    return text if isinstance(text, Sentence) or START not in text else Sentence(text)
+
+
+def has_values(text: str) -> bool:
+    """Return whether a text has values that can be written otherwise."""
+    return START in kept(text)
+
+
+def kept(text: str) -> str:
+    """Return a text for another one, with its values.
+
+    Examples
+    --------
+    >>> width = finished(f"{amount(0.27, 'm')} wide")
+    >>> finished(f"It is {kept(width)}.").record()
+    ['It is ', {'value': 0.27, 'unit': 'm'}, ' wide.']
+    """
+    return text.marked if isinstance(text, Sentence) else text
+
+
+def joined(between: str, texts: Iterable[str]) -> str:
+    """Join texts for another one, with their values."""
+    return between.join(map(kept, texts))
+
+
+def capital(text: str) -> str:
+    """Begin a text with a capital letter, for another one."""
+    return f"{kept(text)[:1].upper()}{kept(text)[1:]}"
+
+
+def written(text: str, write: Callable[[Amount], str] = Amount.text) -> str:
+    """Write a text for a reader: `write` writes its values."""
+    return _MARK.sub(lambda mark: write(_read(mark[1])), kept(text))
+
+
+def with_sentences(cls: type[T]) -> type[T]:
+    """Make what a data class says in its fields and properties finished sentences."""
+    texts = [entry.name for entry in fields(cast("type[Any]", cls)) if "str" in str(entry.type)]
+    if texts:
+        cls.__init__ = _finishing(cls.__init__, texts)  # type: ignore[method-assign]
+    for entry in list(vars(cls).values()):
+        getter = getattr(entry, "fget", None) or getattr(entry, "func", None)
+        if getter is not None and "str" in str(getter.__annotations__.get("return", "")):
+            if isinstance(entry, cached_property):
+                entry.func = _finished(getter)
+            elif isinstance(entry, property):
+                setattr(cls, getter.__name__, property(_finished(getter), doc=entry.__doc__))
+    return cls
+
+
+def _finishing(init: Callable[..., None], texts: list[str]) -> Callable[..., None]:
+    @wraps(init)
+    def __init__(self: Any, *args: Any, **named: Any) -> None:  # noqa: N807 - it becomes one
+        init(self, *args, **named)
+        for name in texts:
+            value = vars(self)[name]
+            if (text := _as_sentences(value)) is not value:
+                vars(self)[name] = text
+
+    return __init__
+
+
+def _finished(getter: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    @wraps(getter)
+    def get(self: Any) -> Any:
+        return _as_sentences(getter(self))
+
+    return get
+
+
+def _as_sentences(value: Any) -> Any:
+    """Return a text with values, or several, as sentences, and anything else as it is."""
+    if type(value) is str:
+        return finished(value)
+    if isinstance(value, tuple | list) and any(isinstance(part, str) for part in value):
+        return type(value)(map(_as_sentences, value))
+    if isinstance(value, Mapping) and any(isinstance(part, str) for part in value.values()):
+        return {name: _as_sentences(part) for name, part in value.items()}
+    return value

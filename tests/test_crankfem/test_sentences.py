@@ -1,0 +1,99 @@
+"""What a person wrote stays as it is, and every value in a sentence of a run can be written otherwise."""
+
+import json
+import re
+from collections.abc import Mapping
+
+import pytest
+
+from crankbase.quantity import UNITS
+from crankbase.results import Result, contents
+from crankbase.sentences import END, START, Sentence, kept
+from crankbase.table import Table, parse_output_units
+from crankfem.analyses.vibration.assessment import Assessment
+from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
+from crankfem.analyses.vibration.tables import assessment_parts, vibration_parts
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.report.conclusions import main_findings, verdict_line
+from crankfem.report.summary import worst_tables
+from crankfem.report.text_filters import printed
+from stand_ins import stored_results, typed
+
+IMPERIAL = parse_output_units("imperial")
+SERIES = "tests of the 500 mm bore series, 12.3456 MPa"
+DOI = "Vestnik AGTU, doi 10.24143/2073-1574-2021-4-75-83; table 2"
+
+
+def with_source(source):
+    """A run whose one limit is assumed, by this source, and by nothing that decides."""
+    results = stored_results()
+    assessment = results["vibration"]["assessment"]
+    assessment["decision"] |= {"status": "not acceptable", "sentence": ""}
+    limits = [
+        limit | {"source": source, "assumed": True, "judged_to_rpm": 575.0}
+        for limit in assessment["limits"][:1]
+    ]
+    assessment |= {"limits": limits, "running_rpm": [200.0, 515.0]}
+    return results
+
+
+def test_other_units_leave_a_cited_source_as_it_is():
+    record = with_source(SERIES)["vibration"]["assessment"]
+    lines = [*assessment_parts(Assessment.from_record(record), IMPERIAL)]
+    assert any(f": {SERIES}, assumed; judged from 200 to 575 1/min" in str(line) for line in lines)
+
+
+@pytest.mark.parametrize("source", [DOI, SERIES])
+def test_the_first_screen_neither_shortens_nor_cuts_a_source(source):
+    results = with_source(source)
+    # Two statements of more weight leave room for the one about what is assumed.
+    stated = [printed(text) for _, text in main_findings(typed(results))]
+    assert any(f"is assumed ({source}): give the maker's." in text for text in stated)
+
+
+UNIT = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
+PLAIN = re.compile(rf"(?<![\w./^-])\d[\d.]*(?:e[+-]?\d+)? (?:{UNIT})(?![\w^/])")
+# What a person wrote, in the file or in a source.
+WRITTEN = ("source", "given", "reason", "name", "engine")
+MARK = re.compile(f"{START}[^{END}]*{END}")
+
+
+def texts_with_plain_values(value, path=""):
+    """Yield texts that hold a number with a unit which cannot be written otherwise."""
+    if isinstance(value, str):
+        assert START not in str(value), f"{path}: {value!r} is not finished"
+        if PLAIN.search(MARK.sub("", kept(value))):
+            yield f"{path}: {value}"
+    elif isinstance(value, Result):
+        for name in contents(type(value)):
+            if name not in WRITTEN:
+                yield from texts_with_plain_values(getattr(value, name), f"{path}.{name}")
+    elif isinstance(value, Mapping):
+        for name, part in value.items():
+            yield from texts_with_plain_values(part, f"{path}.{name}")
+    elif isinstance(value, list | tuple):
+        for part in value:
+            yield from texts_with_plain_values(part, path)
+
+
+def refuse(name):
+    def refused(self, *_, **__):
+        raise AssertionError(f"{self!r} loses its values by {name}")
+
+    return refused
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["vw-tdi", "6chn25-34", "7l32-40-set"])
+def test_every_value_of_a_run_stays_a_value(engine, monkeypatch):
+    for name in ("__format__", "upper", "capitalize", "replace", "partition", "split", "strip"):
+        monkeypatch.setattr(Sentence, name, refuse(name))
+    run = engine_vibration(load_engine(engine), coupled=True)
+    read = EngineVibration.from_record(json.loads(json.dumps(run.to_record())))
+    for results in (run, read):
+        assert [*texts_with_plain_values(results)] == []
+    for part in (*vibration_parts(run, IMPERIAL), *worst_tables(run, IMPERIAL), verdict_line(run)):
+        texts = [part]
+        if isinstance(part, Table):
+            texts = [part.title, part.note, *(cell for row in part.texts(IMPERIAL) for cell in row)]
+        assert not any(START in str(text) for text in texts)
