@@ -261,6 +261,6 @@ def test_an_engine_without_fillets_has_a_reason(vibration):
         throw={"fillet_radius": 0.0, "main_journal_fillet_radius": 0.0}
     )
     own = replace(vibration, engine_file=bare)
-    fatigue, reason = fatigue_or_reason(own, cf.strength.engine_strength(own), {}, None)
+    fatigue, reason = fatigue_or_reason(own, cf.strength.engine_strength(own), {})
     assert fatigue is None
     assert reason.startswith("fillet_radius: given 0")
