@@ -39,9 +39,9 @@ def shown_range(low: float, high: float) -> str:
     return written(speed_range(low, high))
 
 
-def frequency_text(frequency: float) -> str:
-    """Write a frequency [Hz] into a sentence."""
-    return amount(frequency, "Hz", decimals=1)
+def frequency_text(frequency: float, *, exact: bool = False) -> str:
+    """Write a frequency [Hz] into a sentence; an exact one keeps its digits, so that steps add up."""
+    return amount(frequency, "Hz", decimals=1, exact=exact)
 
 
 def limit_at(name: str, place: str) -> str:
@@ -372,8 +372,8 @@ def frequency_steps(
 ) -> str:
     """State both frequencies of a mode [Hz] and the steps between them; small ones are told together."""
     text = (
-        f"{kind} mode {mode}: {frequency_text(shaft)} by the whole crankshaft, "
-        f"{frequency_text(chain)} by the chain"
+        f"{kind} mode {mode}: {frequency_text(shaft, exact=True)} by the whole crankshaft, "
+        f"{frequency_text(chain, exact=True)} by the chain"
     )
     large = {name: round(by, 1) for name, by in steps.items() if abs(by) >= least}
     if not large:
@@ -388,16 +388,16 @@ def frequency_steps(
 
 def _change(by: float) -> str:
     """Write the change of a frequency [Hz]."""
-    return amount(by, "Hz", decimals=1, signed=True)
+    return amount(by, "Hz", decimals=1, signed=True, exact=True)
 
 
 def tilted_mode(
     kind: str, mode: int, without: float, frequencies: Sequence[float], passed: bool
 ) -> str:
     """State to which frequencies [Hz] the flywheel's diametral inertia moves a mode."""
-    moved = listed(frequencies, "Hz", between=" and ", decimals=1)
+    moved = listed(frequencies, "Hz", between=" and ", decimals=1, exact=True)
     below = " (which brings another mode below it)" if passed else ""
-    return f"{kind} mode {mode} from {frequency_text(without)} without to {moved} with it{below}"
+    return f"{kind} mode {mode} from {frequency_text(without, exact=True)} without to {moved} with it{below}"
 
 
 def flywheel_tilts(inertia: float, half: bool, moved: Sequence[str]) -> str:
