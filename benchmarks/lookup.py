@@ -106,10 +106,10 @@ def measured(name: str, model: ComplianceModel, box: dict[str, tuple[float, floa
     def plain() -> object:
         if response.basis == "factors":
             columns = np.stack([arrays[key] for key in response.factors], axis=-1)
-            return response.fitted.predict(columns)
+            return response.predict(columns)
         groups = [group_named(key).value(arrays) for key in response.factors]
         scale = STEEL.youngs_modulus * arrays["pin_diameter"]
-        return response.fitted.predict(np.stack(groups, axis=-1)) / scale
+        return response.predict(np.stack(groups, axis=-1)) / scale
 
     naive = seconds(plain, 1)
     agree = np.max(np.abs(np.asarray(plain()) / model.axial_compliance(**arrays) - 1.0))

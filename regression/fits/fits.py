@@ -182,15 +182,15 @@ def fit_form(
     elif not (drop_terms and small):
         left_out = left_out_values(matrix, solution.residuals, target, groups)
     fitted = FittedForm(
-        form,
-        names,
-        kind.logarithmic,
-        log_factors,
-        center,
-        half_range,
-        terms,
-        tuple(coefficients.tolist()),
-        process,
+        form=form,
+        factors=names,
+        logarithmic=kind.logarithmic,
+        log_factors=log_factors,
+        center=center,
+        half_range=half_range,
+        terms=terms,
+        coefficients=tuple(coefficients.tolist()),
+        process=process,
     )
     predicted = sizes * fitted.predict(points)
     errors = np.abs(predicted / values - 1.0)
@@ -206,7 +206,7 @@ def fit_form(
             missed = np.abs(np.subtract(*(np.log(ends) if kind.logarithmic else ends)))
             spread.append(tolerance_limit(missed / process.deviations(places)))
     if process is not None:
-        fitted = replace(fitted, process=replace(process, band=max(spread)))
+        fitted = fitted.changed(process=replace(process, band=max(spread)))
     r_squared = coefficient_of_determination(values, predicted)
     unseen, q_squared = [] if heldout is None else [heldout], None
     if left_out is not None:

@@ -13,14 +13,14 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, FiniteFloat, model_validator
 
-from crankbase.choices import is_number
 from crankbase.errors import InputError
-from crankbase.model import field_extra
+from crankbase.model import InputModel, field_extra
 from geometry.throw import CrankThrow
 from regression.fits.gaussian_process import GaussianProcess
 from regression.plans.factors import Factor
@@ -349,8 +349,7 @@ def form_terms(form: Form, columns: int, indicators: Sequence[int] = ()) -> tupl
     return polynomial_terms(columns, form.degree, indicators=powerless)
 
 
-@dataclass(frozen=True)
-class FittedForm:
+class FittedForm(InputModel):
     """A form with its coefficients: a function of its columns.
 
     Parameters
@@ -382,16 +381,17 @@ class FittedForm:
     """
 
     form: str
-    factors: tuple[str, ...]
+    factors: tuple[str, ...] = Field(min_length=1)
     logarithmic: bool
     log_factors: tuple[bool, ...]
-    center: tuple[float, ...]
-    half_range: tuple[float, ...]
-    terms: tuple[Term, ...]
-    coefficients: tuple[float, ...]
+    center: tuple[FiniteFloat, ...]
+    half_range: tuple[FiniteFloat, ...]
+    terms: tuple[Term, ...] = Field(min_length=1)
+    coefficients: tuple[FiniteFloat, ...]
     process: GaussianProcess | None = None
 
-    def __post_init__(self) -> None:
+    @model_validator(mode="after")
+    def _equation_fits_together(self) -> Self:
         columns = len(self.factors)
         lengths = dict.fromkeys(("log_factors", "center", "half_range"), columns)
         for name, length in (lengths | {"coefficients": len(self.terms)}).items():
@@ -401,10 +401,6 @@ class FittedForm:
                     f"{name}: given {number} values; allowed are {length}, because the "
                     f"equation has {columns} factors and {len(self.terms)} terms."
                 )
-        for name in ("center", "half_range", "coefficients"):
-            numbers = getattr(self, name)
-            if not all(map(is_number, numbers)):
-                raise InputError(f"{name}: given {list(numbers)}; all numbers must be finite.")
         if not all(value > 0.0 for value in self.half_range):
             raise InputError(
                 f"half_range: given {list(self.half_range)}; all must be positive, because every "
@@ -420,13 +416,14 @@ class FittedForm:
             raise InputError(
                 f"terms: given {[list(term) for term in self.terms]}; each is allowed once."
             )
+        return self
 
-    def scaled(self, factor: float) -> "FittedForm":
+    def scaled(self, factor: float) -> Self:
         """Return the equation of a response `factor` times as large, a factor above zero."""
         if self.logarithmic:
             terms = dict(zip(self.terms, self.coefficients, strict=True))
             terms[()] = terms.get((), 0.0) + math.log(factor)
-            return replace(self, terms=tuple(terms), coefficients=tuple(terms.values()))
+            return self.changed(terms=tuple(terms), coefficients=tuple(terms.values()))
         process = self.process
         if process is not None:
             process = replace(
@@ -435,7 +432,7 @@ class FittedForm:
                 weights=tuple(factor * weight for weight in process.weights),
             )
         coefficients = tuple(factor * coefficient for coefficient in self.coefficients)
-        return replace(self, coefficients=coefficients, process=process)
+        return self.changed(coefficients=coefficients, process=process)
 
     def predict(self, x: ArrayLike) -> NDArray[np.float64]:
         """Evaluate at points (..., k), the columns along the last axis: (...) array.

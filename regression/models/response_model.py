@@ -9,10 +9,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.errors import InputError
-from crankbase.model import InputModel
-from crankbase.results import made_from
 from regression.fits.forms import FittedForm, code
-from regression.fits.gaussian_process import GaussianProcess
 from regression.throw_values import format_value
 
 if TYPE_CHECKING:  # a lookup needs no fits
@@ -47,7 +44,7 @@ Share = Annotated[FiniteFloat, Field(ge=0.0, description="a relative error")]
 Determination = Annotated[FiniteFloat, Field(le=1.0, description="a coefficient of determination")]
 
 
-class ResponseModel(InputModel):
+class ResponseModel(FittedForm):
     """One response of a compliance model: its equation, range and errors.
 
     Parameters
@@ -98,15 +95,7 @@ class ResponseModel(InputModel):
     section: ClassVar[str] = "response"
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    form: str
     basis: Literal["factors", "groups"] = "factors"
-    factors: tuple[str, ...] = Field(min_length=1)
-    logarithmic: bool
-    log_factors: tuple[bool, ...]
-    terms: tuple[tuple[int, ...], ...] = Field(min_length=1)
-    center: tuple[FiniteFloat, ...]
-    half_range: tuple[FiniteFloat, ...]
-    coefficients: tuple[FiniteFloat, ...]
     lowest: tuple[FiniteFloat, ...]
     highest: tuple[FiniteFloat, ...]
     symbol: str
@@ -124,7 +113,6 @@ class ResponseModel(InputModel):
     band_designs: int = Field(default=0, ge=0, description="a number of designs")
     largest_fe_error: Share | None = None
     too_small: Literal[False] = False
-    process: GaussianProcess | None = None
     dropped_terms: tuple[str, ...] = ()
     equation: str
 
@@ -136,13 +124,12 @@ class ResponseModel(InputModel):
                 f"terms: given one of {longest} factors; allowed are up to {MOST_FACTORS}, because no form "
                 "has longer ones."
             )
-        fitted = self.fitted  # its construction checks the equation's numbers
         if len(set(self.factors)) != len(self.factors):
             raise InputError(f"factors: given {list(self.factors)}; each is allowed once.")
         for name, values in (("lowest", self.lowest), ("highest", self.highest)):
-            if len(values) != len(fitted.factors):
+            if len(values) != len(self.factors):
                 raise InputError(
-                    f"{name}: given {len(values)} numbers; allowed are {len(fitted.factors)}, one "
+                    f"{name}: given {len(values)} numbers; allowed are {len(self.factors)}, one "
                     "for each factor."
                 )
         for factor, low, high in zip(self.factors, self.lowest, self.highest, strict=True):
@@ -192,7 +179,6 @@ class ResponseModel(InputModel):
         """An upper bound of the equation's values in its range; inf for a logarithmic one or a process."""
         if self.logarithmic or self.process is not None:
             return math.inf
-        fitted = self.fitted
         reach = np.max(
             [
                 np.abs(code(np.array(ends), self.center, self.half_range, self.log_factors))
@@ -202,7 +188,7 @@ class ResponseModel(InputModel):
         )
         return sum(
             abs(c) * math.prod(reach[list(term)].tolist()) if term else c
-            for term, c in zip(fitted.terms, fitted.coefficients, strict=True)
+            for term, c in zip(self.terms, self.coefficients, strict=True)
         )
 
     def __repr__(self) -> str:
@@ -220,14 +206,9 @@ class ResponseModel(InputModel):
         """Return the response `factor` times as large, a factor above zero; errors are relative and stay."""
         from regression.fits.equation_text import equation_text
 
-        fitted = self.fitted.scaled(factor)
-        equation = equation_text(fitted, symbol=self.symbol, unit=self.unit, basis=self.basis)
-        return self.changed(**vars(fitted), equation=equation)
-
-    @property
-    def fitted(self) -> FittedForm:
-        """The equation as a function of its columns."""
-        return made_from(self, FittedForm, process=self.process)
+        scaled = super().scaled(factor)
+        equation = equation_text(scaled, symbol=self.symbol, unit=self.unit, basis=self.basis)
+        return scaled.changed(equation=equation)
 
     @classmethod
     def from_fit(
@@ -268,7 +249,7 @@ class ResponseModel(InputModel):
         low = dict(zip(fit.factors, fit.lowest, strict=True)) | dict(lowest or {})
         high = dict(zip(fit.factors, fit.highest, strict=True)) | dict(highest or {})
         return cls(
-            **vars(fitted),
+            **dict(fitted),
             **{name: getattr(fit, name) for name in JUDGED},
             basis=basis,
             lowest=tuple(low.values()),

@@ -721,9 +721,9 @@ def make_response_query(
     )
     needed = dict.fromkeys(name for _, names, _ in readers for name in names)
     needed |= dict.fromkeys(name for constraint in constraints for name in constraint.read.names)
-    equation = compile_equation(response.fitted)
+    equation = compile_equation(response)
     if response.basis == "factors":
-        errors = compile_errors(response.fitted)
+        errors = compile_errors(response)
         return ResponseQuery(
             name, family, columns, (), tuple(needed), equation, None, constraints, errors
         )

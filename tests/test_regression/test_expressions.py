@@ -304,7 +304,16 @@ def form(*arguments, logged=None):
     """Make a fitted form of name, factors, logarithmic, center, half range, terms, coefficients."""
     name, factors, logarithmic, center, half_range, terms, coefficients = arguments
     logs = (logarithmic,) * len(factors) if logged is None else logged
-    return FittedForm(name, factors, logarithmic, logs, center, half_range, terms, coefficients)
+    return FittedForm(
+        form=name,
+        factors=factors,
+        logarithmic=logarithmic,
+        log_factors=logs,
+        center=center,
+        half_range=half_range,
+        terms=terms,
+        coefficients=coefficients,
+    )
 
 
 def evaluate_text(text, values):

@@ -245,7 +245,7 @@ def test_natural_transformation():
         ({"coefficients": (1.0, 2.0)}, "coefficients: given 2 values; allowed are 4"),
         ({"log_factors": (True,)}, "log_factors: given 1 values"),
         ({"half_range": (0.25, 0.0)}, "half_range: .* all must be positive"),
-        ({"center": (0.5, np.nan)}, "center: .* all numbers must be finite"),
+        ({"center": (0.5, np.nan)}, r"center\.1: given nan; allowed is a finite number"),
         ({"terms": ((), (0,), (1,), (1, 0))}, r"terms: given \[1, 0\]; allowed .* in rising order"),
         ({"terms": ((), (0,), (1,), (2,))}, r"terms: given \[2\]; allowed are numbers of columns"),
         ({"terms": ((), (0,), (1,), (1,))}, "terms: given .*; each is allowed once"),

@@ -284,7 +284,14 @@ def test_elasticities_of_a_fitted_form_are_its_derivatives():
     # d ln y / d ln a = (d y / d a) a / y, with y = 1 + 0.5 z^2 + 0.2 z w, z = 2 a - 3, w = b - 2.
     terms, coefficients = ((), (0, 0), (0, 1)), (1.0, 0.5, 0.2)
     form = FittedForm(
-        "quadratic", ("a", "b"), False, (False, False), (1.5, 2.0), (0.5, 1.0), terms, coefficients
+        form="quadratic",
+        factors=("a", "b"),
+        logarithmic=False,
+        log_factors=(False, False),
+        center=(1.5, 2.0),
+        half_range=(0.5, 1.0),
+        terms=terms,
+        coefficients=coefficients,
     )
     a, b = 1.8, 2.4
     z, w = 2 * a - 3, b - 2

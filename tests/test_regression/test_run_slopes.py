@@ -42,7 +42,7 @@ def function_of(form, seed):
     fitted = fit_form(form, FACTORS, runs, np.exp(rng.normal(0.0, 0.1, 60))).fitted
     if not fitted.logarithmic:
         rest = (3.0, *rng.uniform(-0.1, 0.1, len(fitted.terms) - 1))
-        fitted = replace(fitted, coefficients=rest)
+        fitted = fitted.changed(coefficients=rest)
     return fitted.predict, len(fitted.terms)
 
 
