@@ -370,21 +370,18 @@ def balancing_masses(
         main = engine.main_of(masses.cylinder)
         balanced = masses.rotating + share * masses.reciprocating
         pins[main] = pins.get(main, 0.0) + balanced
-    return tuple(
-        RotatingMass(
-            mass * engine.crank_radius,
-            angle_deg=math.degrees(
-                _opposite(math.radians(engine.cylinders[main - 1].crank_angle_deg))
-            ),
-            position=engine.cylinders[main - 1].position,
+    weights = []
+    for main, mass in pins.items():
+        cylinder = engine.cylinders[main - 1]
+        opposite = cmath.phase(-cmath.exp(1j * math.radians(cylinder.crank_angle_deg)))
+        weights.append(
+            RotatingMass(
+                mass * engine.crank_radius,
+                angle_deg=math.degrees(opposite % (2.0 * math.pi)),
+                position=cylinder.position,
+            )
         )
-        for main, mass in pins.items()
-    )
-
-
-def _opposite(angle: float) -> float:
-    """Return the opposite direction [rad], 0 to below 2 pi."""
-    return cmath.phase(-cmath.exp(1j * angle)) % (2.0 * math.pi)
+    return tuple(weights)
 
 
 def reciprocating_forces(
@@ -910,9 +907,17 @@ def hinged_rod_effects(
             f"cylinders: given {numbers}, none of which has a hinged rod; allowed are cylinders with one, "
             "because their effect is calculated."
         )
-    beside = _side_by_side(engine)
     reciprocating = [masses.reciprocating for masses in moving_masses(engine)]
-    of_mains = [reciprocating[engine.main_of(number) - 1] for number in range(1, count + 1)]
+    # The engine with copies of the main rods in place of the hinged ones, and masses of the main cylinders.
+    side_by_side, of_mains = [], []
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        place = engine.main_of(number) - 1
+        main = engine.cylinders[place]
+        side_by_side.append(
+            replace(cylinder, rod=main.rod, pin_offset=main.pin_offset, slave_pin=None)
+        )
+        of_mains.append(reciprocating[place])
+    beside = replace(engine, cylinders=side_by_side)
 
     def forces(layout: EngineLayout, masses: Sequence[float]) -> list[Hodograph]:
         by_order = reciprocating_forces(layout, masses, speed, wanted)
@@ -931,16 +936,3 @@ def hinged_rod_effects(
         HingedRodEffects(order, *each)
         for order, each in zip(wanted, zip(*cases, strict=True), strict=True)
     )
-
-
-def _side_by_side(engine: EngineLayout) -> EngineLayout:
-    """Return the engine with copies of the main rods in place of the hinged ones."""
-    mains = [
-        engine.cylinders[engine.main_of(number) - 1]
-        for number in range(1, len(engine.cylinders) + 1)
-    ]
-    cylinders = [
-        replace(cylinder, rod=main.rod, pin_offset=main.pin_offset, slave_pin=None)
-        for cylinder, main in zip(engine.cylinders, mains, strict=True)
-    ]
-    return replace(engine, cylinders=cylinders)

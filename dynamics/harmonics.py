@@ -262,7 +262,14 @@ def harmonics(
     # A_k - i B_k for angles that count from the first sample, then from crank angle zero.
     coefficients = weights * transform[1:]
     if angles_deg is not None:
-        coefficients *= np.exp(-1j * orders * np.radians(_first_angle(angles_deg, count, strokes)))
+        angles = finite_vector("angles_deg", angles_deg)
+        if angles.size != count:
+            raise InputError(
+                f"angles_deg: given {angles.size} angles; allowed are exactly {count}, because there "
+                "is one for each sample."
+            )
+        check_even_cycle("angles_deg", angles, cycle_degrees(strokes))
+        coefficients *= np.exp(-1j * orders * np.radians(float(angles[0])))
     cosine, sine = coefficients.real, -coefficients.imag
     amplitude = np.hypot(cosine, sine)
     phase = np.arctan2(cosine, sine) % (2.0 * np.pi)
@@ -280,18 +287,6 @@ def harmonics(
         samples=int(count),
         unit=unit,
     )
-
-
-def _first_angle(angles_deg: ArrayLike, count: int, strokes: int) -> float:
-    """Return the first angle [deg] of angles that are even over one cycle."""
-    angles = finite_vector("angles_deg", angles_deg)
-    if angles.size != count:
-        raise InputError(
-            f"angles_deg: given {angles.size} angles; allowed are exactly {count}, because there "
-            "is one for each sample."
-        )
-    check_even_cycle("angles_deg", angles, cycle_degrees(strokes))
-    return float(angles[0])
 
 
 CYCLE_ANGLE = "cycle_angle_deg"
@@ -384,8 +379,19 @@ def read_torque_table(
     cycle = cycles[cycle_strokes]
     angles, torque, remarks = rows.angles, rows.values, rows.remarks
     if not is_even_cycle(angles, cycle):
-        angles, torque, remark = _resampled(angles, torque, cycle)
+        from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+        count = even_count(angles, cycle)
+        curve = CubicSpline(
+            np.append(angles, angles[0] + cycle), np.append(torque, torque[0]), bc_type="periodic"
+        )
+        remark = (
+            f"The {angles.size} uneven samples were replaced by {count} even ones in steps of "
+            f"{cycle / count:.4g} deg on the periodic cubic spline through them."
+        )
         remarks = (*remarks, remark)
+        angles = angles[0] + cycle / count * np.arange(count)
+        torque = np.asarray(curve(angles), dtype=np.float64)
     return TorqueTable(
         crank_angle_deg=read_only(cycle_degrees(cycle_strokes) / cycle * angles),
         torque=read_only(UNITS[rows.unit] * torque),
@@ -393,21 +399,3 @@ def read_torque_table(
         strokes=cycle_strokes,
         remarks=remarks,
     )
-
-
-def _resampled(
-    angles: FloatArray, values: FloatArray, cycle: float
-) -> tuple[FloatArray, FloatArray, str]:
-    """Return even samples on the periodic cubic spline through uneven ones, and a remark."""
-    from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
-
-    count = even_count(angles, cycle)
-    places = angles[0] + cycle / count * np.arange(count)
-    curve = CubicSpline(
-        np.append(angles, angles[0] + cycle), np.append(values, values[0]), bc_type="periodic"
-    )
-    remark = (
-        f"The {angles.size} uneven samples were replaced by {count} even ones in steps of "
-        f"{cycle / count:.4g} deg on the periodic cubic spline through them."
-    )
-    return places, np.asarray(curve(places), dtype=np.float64), remark

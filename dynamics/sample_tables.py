@@ -232,15 +232,23 @@ def _columns_of(
         ]
         return angle, value, *places, faults
     where = f"{table.path}, line {table.header_line}: " if headings else f"{table.path}: "
-    given = f'given the header "{shortened(",".join(table.headings))}"' if headings else "no header"
-    likely_angle, likely_value = _likely_columns(table)
+    header = (
+        f'given the header "{shortened(",".join(table.headings))}"' if headings else "no header"
+    )
+    # The first column whose numbers rise nearly always, and the first other one.
+    likely_angle, likely_value = 0, min(1, max(table.columns - 1, 0))
+    for place in range(table.columns):
+        steps = np.diff(table.numbers(place))
+        if steps.size and np.all(np.isfinite(steps)) and np.mean(steps > 0.0) > 0.9:
+            likely_angle, likely_value = place, int(place == 0)
+            break
     listed = {
         kind.angle_names[0]: _column_name(table, likely_angle),
         kind.value_names[0]: _column_name(table, likely_value),
     }
     written = ", ".join(f"{name} = {column}" for name, column in listed.items())
     fault = (
-        f"{where}{given}; allowed is {kind.headers}, because it says {kind.header_says}; or say so by "
+        f"{where}{header}; allowed is {kind.headers}, because it says {kind.header_says}; or say so by "
         f"columns, such as reading = {{ columns = {{ {written} }} }}."
     )
     return kind.angle_names[0], kind.value_names[0], likely_angle, likely_value, [fault]
@@ -250,15 +258,6 @@ def _column_name(table: ExportedTable, place: int) -> str:
     """Write a column as a file names it."""
     heading = table.headings[place] if table.headings else ""
     return f'"{heading}"' if heading and table.headings.count(heading) == 1 else str(place + 1)
-
-
-def _likely_columns(table: ExportedTable) -> tuple[int, int]:
-    """Return the first column whose numbers rise nearly always, and the first other one."""
-    for place in range(table.columns):
-        steps = np.diff(table.numbers(place))
-        if steps.size and np.all(np.isfinite(steps)) and np.mean(steps > 0.0) > 0.9:
-            return place, int(place == 0)
-    return 0, min(1, max(table.columns - 1, 0))
 
 
 def _named_columns(
@@ -278,7 +277,32 @@ def _named_columns(
         )
     places: list[int | None] = []
     for name in (angles[0], values[0]):
-        place = _place_of(table, name, columns[name], faults)
+        column = columns[name]
+        place: int | None = None
+        if isinstance(column, int):
+            if 1 <= column <= table.columns:
+                place = column - 1
+            else:
+                faults.append(
+                    f"{table.path}: reading.columns: given {name} = {column}; allowed are 1 to "
+                    f"{table.columns}, because the table has so many columns."
+                )
+        else:
+            matching = [
+                number
+                for number, heading in enumerate(table.headings)
+                if column.strip().casefold()
+                in (heading.casefold(), heading.partition("[")[0].strip().casefold())
+            ]
+            if len(matching) == 1:
+                place = matching[0]
+            else:
+                headings = ", ".join(quoted(each) for each in table.headings) or "no headings"
+                faults.append(
+                    f"{table.path}: reading.columns: given {name} = {quoted(column)}, which heads "
+                    f"{len(matching) or 'none'} of the columns; the table has {headings}; name one of them, "
+                    "or the number of the column from 1."
+                )
         places.append(place)
         if place is not None:
             faults += _contradiction(table, kind, name, place)
@@ -291,42 +315,18 @@ def _named_columns(
     return angles[0], values[0], angle, value, faults
 
 
-def _place_of(table: ExportedTable, name: str, column: int | str, faults: list[str]) -> int | None:
-    """Return the place of a column by its heading, or number from 1."""
-    if isinstance(column, int):
-        if 1 <= column <= table.columns:
-            return column - 1
-        faults.append(
-            f"{table.path}: reading.columns: given {name} = {column}; allowed are 1 to {table.columns}, "
-            "because the table has so many columns."
-        )
-        return None
-    matching = [
-        place
-        for place, heading in enumerate(table.headings)
-        if column.strip().casefold()
-        in (heading.casefold(), heading.partition("[")[0].strip().casefold())
-    ]
-    if len(matching) == 1:
-        return matching[0]
-    headings = ", ".join(quoted(heading) for heading in table.headings) or "no headings"
-    faults.append(
-        f"{table.path}: reading.columns: given {name} = {quoted(column)}, which heads "
-        f"{len(matching) or 'none'} of the columns; the table has {headings}; name one of them, or the "
-        "number of the column from 1."
-    )
-    return None
-
-
 def _contradiction(table: ExportedTable, kind: TableKind, name: str, place: int) -> list[str]:
     """Return the sentence about a unit in the table that is not the one in the column's name."""
-    own = name.rpartition("_")[2]
+    unit = name.rpartition("_")[2]
     if not table.units[place]:
         return []
-    si, size = ("rad", math.radians(1.0)) if own == "deg" else (kind.si, kind.units[own])
-    given, reference = unit_size(table.units[place], si), pressure_reference(table.units[place])[1]
-    agrees = given is None or math.isclose(given, size, rel_tol=1e-9)
-    if agrees and (given is None or name.startswith(reference)):
+    si, size = ("rad", math.radians(1.0)) if unit == "deg" else (kind.si, kind.units[unit])
+    in_table, reference = (
+        unit_size(table.units[place], si),
+        pressure_reference(table.units[place])[1],
+    )
+    agrees = in_table is None or math.isclose(in_table, size, rel_tol=1e-9)
+    if agrees and (in_table is None or name.startswith(reference)):
         return []
     return [
         f"{table.path}, line {table.header_line}: {_column_name(table, place)}: given in "
@@ -407,8 +407,8 @@ def one_cycle(
     remarks = list(rows.remarks)
     if cut.left_over:
         remarks.append(f"{cut.left_over} samples of an incomplete cycle at the end were left out.")
-    single, scatter, told, wrong = _mean_cycle(rows, cut, cycle)
-    faults, remarks = faults + wrong, remarks + told
+    single, scatter, of_mean, wrong = _mean_cycle(rows, cut, cycle)
+    faults, remarks = faults + wrong, remarks + of_mean
     values = single.values
     if cut.closing is not None:
         closing = rows.values[cut.closing]

@@ -601,7 +601,13 @@ def star_diagram(
     [(2.0, 'major'), (4.0, 'major')]
     """
     firing, known = _firing_and_strokes(engine, firing_angles_deg, strokes)
-    asked = _requested_orders(orders, known)
+    if np.ndim(orders) == 0:
+        highest = float(finite_array("orders", orders))
+        asked = np.asarray(engine_orders(4 if known is None else known, highest))
+    else:
+        asked = positive_vector("orders", orders, "", "they count cycles per revolution")
+        if known is not None:
+            order_numbers(asked, known)
     shape = (asked.size, firing.size)
     reason = "each order's vector of each cylinder takes its own"
     lengths, shares, turns = (
@@ -650,17 +656,6 @@ def _firing_and_strokes(
             "vector of each."
         )
     return firing, checked
-
-
-def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatArray:
-    """Return the requested orders: those given, or all up to a highest one."""
-    if np.ndim(orders) == 0:
-        highest = float(finite_array("orders", orders))
-        return np.asarray(engine_orders(4 if strokes is None else strokes, highest))
-    asked = positive_vector("orders", orders, "", "they count cycles per revolution")
-    if strokes is not None:
-        order_numbers(asked, strokes)
-    return asked
 
 
 def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:

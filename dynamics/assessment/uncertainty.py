@@ -368,7 +368,11 @@ def frequency_bounds(
     opposite case: two corners of the box of factors bound all of it.
     """
     ends = np.array([[spread.low, spread.high] for spread in spreads]).reshape(-1, 2)
-    softer = np.array([_softens(spread) for spread in spreads], dtype=bool)
+    # A larger factor of these lowers the frequencies.
+    of_chain = [FIELDS.get(spread.kind, ("", 0)) for spread in spreads]
+    softer = np.array(
+        [(field in STIFF and power < 0) or field in HEAVY for field, power in of_chain], dtype=bool
+    )
     lowest = np.where(softer, ends[:, 1], ends[:, 0])
     highest = np.where(softer, ends[:, 0], ends[:, 1])
     corners = np.vstack((lowest, highest))
@@ -511,9 +515,3 @@ def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: FloatArray) -
     angular = np.zeros((len(factors), expand.shape[1]))
     angular[:, rigid:] = singular[:, :count][:, ::-1]
     return angular / (2.0 * np.pi)
-
-
-def _softens(spread: Spread) -> bool:
-    """Return whether a larger factor lowers the frequencies."""
-    field, power = FIELDS.get(spread.kind, ("", 0))
-    return (field in STIFF and power < 0) or field in HEAVY

@@ -16,14 +16,14 @@ PSI = "relative damping psi, energy lost in a cycle over the largest stored: 2 p
 MAGNIFIER = "dynamic magnifier: 1 over the loss factor"
 
 
-def one_convention(field: str, given: Mapping[str, float | None]) -> float:
+def one_convention(field: str, damping: Mapping[str, float | None]) -> float:
     """Return the loss factor that one of the conventions gives; zero where none does.
 
     Parameters
     ----------
     field : str
         What stands in front of the names in a message.
-    given : mapping
+    damping : mapping
         Value of loss_factor, relative_damping and magnifier; None, or a loss factor of zero, if absent.
 
     Examples
@@ -31,7 +31,7 @@ def one_convention(field: str, given: Mapping[str, float | None]) -> float:
     >>> round(one_convention("", {"relative_damping": 1.13}), 4)
     0.1798
     """
-    values = {name: value for name, value in given.items() if value}
+    values = {name: value for name, value in damping.items() if value}
     if len(values) > 1:
         raise InputError(
             f"{field}{list(values)[1]}: given both it and {next(iter(values))}; allowed is one of "

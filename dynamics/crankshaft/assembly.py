@@ -376,7 +376,10 @@ def assemble_crankshaft(
         for pin, center in zip(throw.pin_loads, throw.pins, strict=True):
             motion = np.zeros((6, size))
             motion[:, unknowns] = (turn @ pin).T
-            pin_rows.append(_pin_directions(center, turning_sense) @ motion[:3])
+            x, y = center[:2] / np.hypot(*center[:2])
+            # In the throw's frame: sense of rotation, towards the axis, along the shaft.
+            ways = [[-turning_sense * y, turning_sense * x, 0.0], [-x, -y, 0.0], [0.0, 0.0, 1.0]]
+            pin_rows.append(np.array(ways) @ motion[:3])
             pin_slices.append(turn[:6, :6] @ on_axis(center) @ motion)
             pin_frames.append(motion[:2])
     loss += around.loss_factor * stiffness
@@ -457,6 +460,10 @@ def assemble_crankshaft(
         f"pin {number} {way}" for number in range(1, masses.size + 1) for way in PIN_MOTIONS
     ]
     rigid, rigid_names = _rigid_motions(around, starts, first_ring, lines, size)
+    # Moments about the shaft axis of unit forces on the pins before each section.
+    pins = np.vstack(pin_rows)
+    levers = np.einsum("pku,pu->pk", pins.reshape(len(pin_throws), 3, -1), about[pin_throws])
+    before = np.arange(count)[:, np.newaxis] > np.array(pin_throws)
     return AssembledShaft(
         mass=mass[free],
         stiffness=stiffness[free],
@@ -465,7 +472,7 @@ def assemble_crankshaft(
         rigid=rigid[kept],
         rigid_names=rigid_names,
         sections=unit[: 6 * count, kept],
-        pins=np.vstack(pin_rows)[:, kept],
+        pins=pins[:, kept],
         stations=stations.of(kept),
         added=added[:, kept],
         added_mass=added_mass[:, kept][:, :, kept],
@@ -483,17 +490,8 @@ def assemble_crankshaft(
             *(name for line in lines for name in line.names),
         ),
         momenta=np.cumsum(np.vstack((beyond_first, momenta)), axis=0)[:, kept],
-        moments=_pin_moments(np.vstack(pin_rows), about[pin_throws], pin_throws, count),
+        moments=(before[:, :, np.newaxis] * levers).reshape(count, -1),
     )
-
-
-def _pin_moments(
-    pins: FloatArray, about: FloatArray, throws: Sequence[int], count: int
-) -> FloatArray:
-    """Return the moments about the shaft axis of unit forces on pins before each section, (n + 1, 3 p)."""
-    levers = np.einsum("pku,pu->pk", pins.reshape(len(throws), 3, -1), about)
-    before = np.arange(count)[:, np.newaxis] > np.array(throws)
-    return np.asarray((before[:, :, np.newaxis] * levers).reshape(count, -1))
 
 
 def _supports(
@@ -565,9 +563,3 @@ def _rigid_motions(
         motions["tilt about x"] = motion({RX: 1.0, UY: -arms})
         motions["tilt about y"] = motion({RY: 1.0, UX: arms})
     return np.column_stack([np.zeros((size, 0)), *motions.values()]), tuple(motions)
-
-
-def _pin_directions(center: FloatArray, sense: int) -> FloatArray:
-    """Rows (3, 3) of the throw frame: sense of rotation, towards the axis, along the shaft."""
-    x, y = center[:2] / np.hypot(*center[:2])
-    return np.array([[-sense * y, sense * x, 0.0], [-x, -y, 0.0], [0.0, 0.0, 1.0]])

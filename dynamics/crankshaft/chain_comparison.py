@@ -348,12 +348,20 @@ def frequency_difference(
     station, gets its diametral inertia last, so that its contribution is what a wrong value can change.
     """
     frequencies = [_elastic(rigid_chain, mode), _elastic(chain, mode)]
+    stations: Stations = shaft.stations
     for lateral in (False, True):
-        on_axis = (1.0 - RESIDUAL) * _centered_mass(shaft, lateral=lateral)
+        # All mass on the shaft axis, then across it too, but for the diametral inertia of the last station.
+        across = lateral * stations.lateral_mass
+        tilting = lateral * np.append(stations.diametral[:-1], 0.0)
+        diagonal = np.column_stack(
+            (across, across, stations.axial_mass, tilting, tilting, stations.polar)
+        )
+        centered = np.einsum("siu,si,siv->uv", stations.motions, diagonal, stations.motions)
+        on_axis = (1.0 - RESIDUAL) * (centered + shaft.added_mass.sum(axis=0))
         changed = replace(shaft, mass=on_axis + RESIDUAL * shaft.mass)
         frequencies.append(_found(_match(changed, chain, mode)))
-    tilts = shaft.stations.motions[-1, [RX, RY]]
-    light = replace(shaft, mass=shaft.mass - shaft.stations.diametral[-1] * tilts.T @ tilts)
+    tilts = stations.motions[-1, [RX, RY]]
+    light = replace(shaft, mass=shaft.mass - stations.diametral[-1] * tilts.T @ tilts)
     last = _match(shaft, chain, mode)
     frequencies += [_found(_match(light, chain, mode)), _found(last)]
     return FrequencyDifference(
@@ -450,21 +458,6 @@ def _found(match: ModeMatch) -> float:
             "has too, and none of its modes is like it."
         )
     return match.shaft_frequency
-
-
-def _centered_mass(shaft: AssembledShaft, *, lateral: bool) -> FloatArray:
-    """Mass matrix with all mass on the shaft axis: along and about it, and as requested across it.
-
-    Without the diametral inertia of the last station, the flywheel.
-    """
-    stations: Stations = shaft.stations
-    across = lateral * stations.lateral_mass
-    tilting = lateral * np.append(stations.diametral[:-1], 0.0)
-    diagonal = np.column_stack(
-        (across, across, stations.axial_mass, tilting, tilting, stations.polar)
-    )
-    centered = np.einsum("siu,si,siv->uv", stations.motions, diagonal, stations.motions)
-    return np.asarray(centered + shaft.added_mass.sum(axis=0))
 
 
 # A chain suffices where its frequencies, the purity of the modes and the free end's amplitude are within

@@ -74,9 +74,18 @@ class ShaftThrow:
         finite_array("crank_angle_deg", self.crank_angle_deg)
         positive_number("length", self.length, "m", "a throw has a length")
         whole_number("bending", self.bending, 0, "a section has these motions beside its mean ones")
-        size = len(self.stiffness)
-        for name in ("stiffness", "mass"):
-            _check_symmetric(name, getattr(self, name), size, 12 + 2 * self.bending)
+        size, least = len(self.stiffness), 12 + 2 * self.bending
+        for name, matrix in (("stiffness", self.stiffness), ("mass", self.mass)):
+            if matrix.ndim != 2 or matrix.shape != (size, size) or size < least:
+                raise InputError(
+                    f"{name}: given an array of shape {matrix.shape}; allowed are square ones of {least} "
+                    f"rows or more, stiffness and mass alike, because two end sections have {least} motions."
+                )
+            if np.max(np.abs(matrix - matrix.T)) > SYMMETRIC * np.max(np.abs(matrix)):
+                raise InputError(
+                    f"{name}: given a matrix that is not symmetric; allowed are symmetric ones, because they "
+                    "belong to an energy."
+                )
         if self.pins.ndim != 2 or self.pins.shape[1] != 3 or not len(self.pins):
             raise InputError(
                 f"pins: given an array of shape {self.pins.shape}; allowed is (pins, 3), because a "
@@ -118,19 +127,6 @@ def rotation(angle: float) -> FloatArray:
     """Return the matrix (3, 3) that turns a vector by an angle [rad] about z."""
     cosine, sine = math.cos(angle), math.sin(angle)
     return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _check_symmetric(name: str, matrix: FloatArray, size: int, least: int) -> None:
-    if matrix.ndim != 2 or matrix.shape != (size, size) or size < least:
-        raise InputError(
-            f"{name}: given an array of shape {matrix.shape}; allowed are square ones of {least} rows or "
-            f"more, stiffness and mass alike, because two end sections have {least} motions."
-        )
-    if np.max(np.abs(matrix - matrix.T)) > SYMMETRIC * np.max(np.abs(matrix)):
-        raise InputError(
-            f"{name}: given a matrix that is not symmetric; allowed are symmetric ones, because they "
-            "belong to an energy."
-        )
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,6 @@ from crankbase.summaries import summarized
 from dynamics.cycle import check_even_cycle, cycle_degrees, even_angles, has_closing_sample
 from dynamics.engine import RodModelName
 from dynamics.engine.layout import (
-    EngineCylinder,
     EngineLayout,
     check_distinct_positions,
     cylinder_crankpin,
@@ -472,7 +471,11 @@ def mechanism_forces(
         rod, motion = cylinder.rod.model(model), motions[place]
         acceleration = motion.piston.acceleration(turning, gaining).real
         along = -(pressing[place] - rubbing[place]) - cylinder.piston_mass * acceleration
-        inertia, moment = _inertia_forces(rod, motion, turning, gaining)
+        # M a_D, and the moment that the rod's motion about its foot requires.
+        inertia = rod.mass * motion.rod_point(rod.center).acceleration(turning, gaining)
+        arm = rod.center * np.exp(1j * motion.rod.angle_rad)
+        moment = rod.inertia * motion.rod.acceleration(turning, gaining)
+        moment = moment + (np.conj(arm) * inertia).imag
         sine, cosine = np.sin(motion.rod.angle_rad), np.cos(motion.rod.angle_rad)
         at_piston = along + 1j * (moment / rod.length + along * sine) / cosine
         side[place] += at_piston.imag
@@ -487,7 +490,12 @@ def mechanism_forces(
         load = at_foot * np.exp(
             1j * (math.radians(cylinder.bank_angle_deg - carrier.bank_angle_deg))
         )
-        from_wall = _wall_force_for(load, cylinder, carrier, motions[main])
+        if cylinder.slave_pin is None:
+            raise ValueError("the rod is not hinged")
+        # What the wall of the main piston adds to N, to balance the force at the slave pin.
+        carrier_angle = motions[main].rod.angle_rad
+        arm = cylinder.slave_pin.place * np.exp(1j * carrier_angle)
+        from_wall = -(np.conj(arm) * load).imag / (carrier.rod.length * np.cos(carrier_angle))
         side[main] += from_wall
         piston_pin[main] -= 1j * from_wall
         foot[main] += load + 1j * from_wall
@@ -514,27 +522,6 @@ def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: 
 def over_angles(field: str, values: ArrayLike, angles: FloatArray) -> FloatArray:
     """Return a quantity of the shaft at each of its angles (m,) [rad]; see `spread_array`."""
     return spread_array(field, values, angles.shape, "there is one value for each shaft angle")
-
-
-def _inertia_forces(
-    rod: RodModel, motion: CylinderMotion, speed: FloatArray, crank_acceleration: FloatArray
-) -> tuple[ComplexArray, FloatArray]:
-    """Return M a_D, and the moment required by the rod's motion about its foot."""
-    force = rod.mass * motion.rod_point(rod.center).acceleration(speed, crank_acceleration)
-    arm = rod.center * np.exp(1j * motion.rod.angle_rad)
-    turning = rod.inertia * motion.rod.acceleration(speed, crank_acceleration)
-    return force, turning + (np.conj(arm) * force).imag
-
-
-def _wall_force_for(
-    load: ComplexArray, hinged: EngineCylinder, carrier: EngineCylinder, motion: CylinderMotion
-) -> FloatArray:
-    """Return the contribution of the main piston's wall to N that balances a force at the slave pin."""
-    if hinged.slave_pin is None:
-        raise ValueError("the rod is not hinged")
-    arm = hinged.slave_pin.place * np.exp(1j * motion.rod.angle_rad)
-    moment = (np.conj(arm) * load).imag
-    return np.asarray(-moment / (carrier.rod.length * np.cos(motion.rod.angle_rad)))
 
 
 def pin_groups(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
     ComplexArray,
@@ -63,7 +63,10 @@ def torque_excitation(forces: CylinderForces, engine_chain: "EngineChain") -> Or
         If the chain is not torsional or has another number of throws.
     """
     nodes = _nodes_of_cylinders(engine_chain, forces.throws)
-    torques = _summed_at_nodes(forces.torque, nodes, engine_chain.chain.inertia.size)
+    size = engine_chain.chain.inertia.size
+    torques = np.zeros((*forces.torque.shape[:2], size), dtype=np.complex128)
+    for place, node in enumerate(nodes):
+        torques[:, :, node] += forces.torque[:, :, place]
     return OrderExcitation(forces.orders, forces.speeds, torques)
 
 
@@ -134,9 +137,28 @@ def axial_throw_forces(
     2021, doi 10.24143/2073-1574-2021-4-75-83.
     """
     e = positive_vector("compliances", compliances, "m/N", "every throw yields under load")
-    radial_and_tangential = _influence(influence, forces, e.size, pins)
+    unit_lengthening = finite_array("influence", influence)
+    if unit_lengthening.shape == (e.size,):
+        unit_lengthening = np.diag(unit_lengthening)
+    if unit_lengthening.ndim == 2:
+        unit_lengthening = np.stack((unit_lengthening, np.zeros_like(unit_lengthening)), axis=-1)
+    places = list(forces.throws if pins is None else np.asarray(pins).ravel())
+    cylinders = len(forces.throws)
+    if len(places) != cylinders or not all(is_whole(pin) and pin >= 0 for pin in places):
+        raise InputError(
+            f"pins: given {places}; allowed is a whole number from 0 for each of the {cylinders} "
+            "cylinders, because its rod sits on one pin."
+        )
+    on_pins = np.array(places, dtype=np.int64)
+    count = on_pins.max() + 1
+    if unit_lengthening.shape != (e.size, count, 2):
+        raise InputError(
+            f"influence: given an array of shape {np.shape(influence)}; allowed is ({e.size},), "
+            f"({e.size}, {count}) or ({e.size}, {count}, 2), because it has a row for each throw and a "
+            "column for each pin."
+        )
     acting = np.stack((forces.radial, forces.tangential), axis=-1)
-    lengthening = np.tensordot(acting, radial_and_tangential, axes=([2, 3], [1, 2]))
+    lengthening = np.tensordot(acting, unit_lengthening[:, on_pins], axes=([2, 3], [1, 2]))
     return np.asarray(lengthening / e)
 
 
@@ -214,49 +236,6 @@ def _nodes_of_cylinders(engine_chain: "EngineChain", throws: tuple[int, ...]) ->
             "is the same number, because each cylinder turns its throw."
         )
     return [nodes[throw] for throw in throws]
-
-
-def _summed_at_nodes(
-    values: ComplexArray, nodes: "tuple[int, ...] | list[int]", n: int
-) -> ComplexArray:
-    """Return values (K, S, c) summed at the nodes where they act (K, S, n)."""
-    sums = np.zeros((*values.shape[:2], n), dtype=np.complex128)
-    for place, node in enumerate(nodes):
-        sums[:, :, node] += values[:, :, place]
-    return sums
-
-
-def _influence(
-    influence: ArrayLike, forces: CylinderForces, throws: int, pins: ArrayLike | None
-) -> FloatArray:
-    """Return the lengthening of each throw per Z and T of each cylinder (n, c, 2)."""
-    lengthening = finite_array("influence", influence)
-    if lengthening.shape == (throws,):
-        lengthening = np.diag(lengthening)
-    if lengthening.ndim == 2:
-        lengthening = np.stack((lengthening, np.zeros_like(lengthening)), axis=-1)
-    on_pins = np.array(forces.throws) if pins is None else _pins(pins, len(forces.throws))
-    if (
-        lengthening.ndim != 3
-        or lengthening.shape[::2] != (throws, 2)
-        or lengthening.shape[1] != on_pins.max() + 1
-    ):
-        raise InputError(
-            f"influence: given an array of shape {np.shape(influence)}; allowed is ({throws},), "
-            f"({throws}, {on_pins.max() + 1}) or ({throws}, {on_pins.max() + 1}, 2), because it has a row "
-            "for each throw and a column for each pin."
-        )
-    return np.asarray(lengthening[:, on_pins])
-
-
-def _pins(pins: ArrayLike, cylinders: int) -> NDArray[np.int64]:
-    places = list(np.asarray(pins).ravel())
-    if len(places) != cylinders or not all(is_whole(pin) and pin >= 0 for pin in places):
-        raise InputError(
-            f"pins: given {places}; allowed is a whole number from 0 for each of the {cylinders} "
-            "cylinders, because its rod sits on one pin."
-        )
-    return np.array(places, dtype=np.int64)
 
 
 # Two orders are one within this share: that of a propeller comes from a gear ratio.
@@ -433,21 +412,15 @@ def axial_excitation_of_torsion(
             f"{e.size} compliances; allowed is (n, n + 1) for n of both, because a shaft of n throws has "
             "n + 1 parts between cranks and ends."
         )
-    torques = _torque_of_parts(elastic_loads(response), torsional)
-    pressing = torques @ lengthening.T / e
-    return pressing_excitation(response.orders, response.speeds, pressing, axial)
-
-
-def _torque_of_parts(torques: ComplexArray, torsional: EngineChain) -> ComplexArray:
-    """Return the torque of each part of the crankshaft (K, S, n + 1), zero where there is none."""
+    loads, pairs = elastic_loads(response), torsional.chain.connections
     first, last = torsional.throw_nodes[0], torsional.throw_nodes[-1]
-    pairs = torsional.chain.connections
-    parts = np.zeros((*torques.shape[:2], last - first + 2), dtype=np.complex128)
+    torques: ComplexArray = np.zeros((*loads.shape[:2], last - first + 2), dtype=np.complex128)
     # A crankshaft is a row of nodes; what else sits on a crank passes no torque along it.
     for place, left in enumerate(range(first - 1, last + 1)):
         if (left, left + 1) in pairs:
-            parts[:, :, place] = torques[:, :, pairs.index((left, left + 1))]
-    return parts
+            torques[:, :, place] = loads[:, :, pairs.index((left, left + 1))]
+    pressing = torques @ lengthening.T / e
+    return pressing_excitation(response.orders, response.speeds, pressing, axial)
 
 
 @summarized("orders", "speeds [rad/s]", "alone [N]", "in_shaft [N]")

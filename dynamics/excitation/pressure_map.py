@@ -384,7 +384,10 @@ class PressureMap:
             return axes
         place = self._load_index(load)
         apart = 1 if self.loads is None else len(self.loads)
-        names = _speed_names(self.speeds)
+        speeds = self.speeds.tolist()
+        names = [f"{RPM * each:.4g} 1/min" for each in speeds]
+        if len(set(names)) < len(names):
+            names = [per_minute(each) for each in speeds]
         if self.load_of_speed is not None:
             pairs = zip(names, self.load_of_speed, strict=True)
             names = [f"{name}, load {speed_load:g}" for name, speed_load in pairs]
@@ -497,14 +500,6 @@ def pressure_map(
     )
 
 
-def _speed_names(speeds: FloatArray) -> list[str]:
-    """Return speeds [rad/s] for a legend, to four digits if these distinguish them."""
-    short = [f"{RPM * speed:.4g} 1/min" for speed in speeds.tolist()]
-    return (
-        short if len(set(short)) == len(short) else [per_minute(speed) for speed in speeds.tolist()]
-    )
-
-
 # What a cycle has of its own, and its solution is not told.
 OF_CYCLE = ("intake_pressure", "exhaust_pressure")
 
@@ -559,11 +554,17 @@ def pressure_map_from_cycles(
         "intake_pressure": intake_pressure,
         "exhaust_pressure": exhaust_pressure,
     }
-    known = {
-        name: _at_points(name, values, shape)
-        for name, values in targets.items()
-        if values is not None
-    }
+    known = {}
+    for name, values in targets.items():
+        if values is not None:
+            array = finite_array(name, values)
+            try:
+                known[name] = np.broadcast_to(array, shape)
+            except ValueError:
+                raise InputError(
+                    f"{name}: given an array of shape {array.shape}; allowed is {shape}, because there is "
+                    "one for each speed and load."
+                ) from None
     points = []
     for place in np.ndindex(*shape):
         speed, load = float(running[place[0]]), float(loaded[place[1]])
@@ -585,17 +586,6 @@ def pressure_map_from_cycles(
         kept = tuple(text for text in pressure.remarks if text not in pressure.solved)
         points.append((speed, load, replace(pressure, remarks=kept, solved=())))
     return pressure_map(points, method=method)
-
-
-def _at_points(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray:
-    array = finite_array(field, values)
-    try:
-        return np.asarray(np.broadcast_to(array, shape))
-    except ValueError:
-        raise InputError(
-            f"{field}: given an array of shape {array.shape}; allowed is {shape}, because there is one for "
-            "each speed and load."
-        ) from None
 
 
 # Pressure of one kind for all cylinders, or one for each.

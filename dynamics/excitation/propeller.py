@@ -155,7 +155,16 @@ def propeller_excitation(
     place = node_index("propeller node", node, chain.inertia.size)
     running = checked_speeds(speeds)
     check_choice("kind", kind, ("torsional", "axial"), "a propeller has torque and thrust")
-    turning = _own_ratio(chain, place) if ratio is None else float(finite_array("ratio", ratio))
+    if ratio is None:
+        parts, ratios = speed_ratios(chain.connections, chain.gears, chain.inertia.size)
+        if chain.gears and parts[place] != parts[0]:
+            raise InputError(
+                f"ratio: given none for {chain.names[place]}; allowed is its speed over that of the "
+                "crankshaft, because gears and springs do not join the two, and the speed behind a dashpot "
+                "follows from no ratio of gears."
+            )
+        ratio = ratios[place]
+    turning = float(finite_array("ratio", ratio))
     if turning == 0.0:
         raise InputError(
             f"ratio: given {turning:g}; allowed is a finite number other than zero, because the "
@@ -183,15 +192,3 @@ def propeller_excitation(
     forces = np.zeros((sizes.size, running.size, chain.inertia.size), dtype=np.complex128)
     forces[:, :, place] = sense * phasors[:, np.newaxis] * mean
     return OrderExcitation(orders, running, forces)
-
-
-def _own_ratio(chain: Chain, node: int) -> float:
-    """Return the speed of a node over that of node 0 by the gears between them."""
-    parts, ratios = speed_ratios(chain.connections, chain.gears, chain.inertia.size)
-    if chain.gears and parts[node] != parts[0]:
-        raise InputError(
-            f"ratio: given none for {chain.names[node]}; allowed is its speed over that of the crankshaft, "
-            "because gears and springs do not join the two, and the speed behind a dashpot follows from no "
-            "ratio of gears."
-        )
-    return float(ratios[node])

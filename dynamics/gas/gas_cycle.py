@@ -492,23 +492,17 @@ def pressure_rise_per_heat(
     times this rise. The integral is evaluated by Gauss quadrature in parts.
     """
     angles_deg = finite_vector("angle_deg", angle_deg)
-    share = (angles_deg - cycle.combustion_start_deg) / cycle.combustion_duration_deg
-    root = np.clip(share, 0.0, 1.0) ** (1.0 / ROOT_POWER)
-    ends, place = np.unique(
-        np.concatenate([root, np.linspace(0.0, 1.0, PARTS + 1)]), return_inverse=True
+    start, duration = cycle.combustion_start_deg, cycle.combustion_duration_deg
+    exponent, closing = (
+        cycle.heat_capacity_ratio,
+        float(volume.at(angle_deg=cycle.intake_closes_deg)),
     )
-    integrals = np.concatenate([[0.0], np.cumsum(_part_integrals(cycle, volume, ends))])
-    exponent = cycle.heat_capacity_ratio
-    closing = float(volume.at(angle_deg=cycle.intake_closes_deg))
-    relative = volume.at(angle_deg=angles_deg) / closing
-    rise = (exponent - 1.0) / closing * integrals[place[: angles_deg.size]] / relative**exponent
-    return np.asarray(rise, dtype=np.float64)
-
-
-def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -> FloatArray:
-    """Return the integrals of (V / V_closing)^(g - 1) dx between neighboring ends of shape (n,)."""
-    # The ends are roots r of the share t = r^q of the duration; dx = a (m + 1) t^m exp(-a t^(m + 1))
-    # dt / c and dt = q r^(q - 1) dr.
+    # Between roots r of the share t = r^q of the duration; dx = a (m + 1) t^m exp(-a t^(m + 1)) dt / c and
+    # dt = q r^(q - 1) dr.
+    asked = np.clip((angles_deg - start) / duration, 0.0, 1.0) ** (1.0 / ROOT_POWER)
+    ends, place = np.unique(
+        np.concatenate([asked, np.linspace(0.0, 1.0, PARTS + 1)]), return_inverse=True
+    )
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     half = 0.5 * np.diff(ends)[:, np.newaxis]
     root = ends[:-1, np.newaxis] + half * (1.0 + nodes)
@@ -521,10 +515,12 @@ def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -
         * root ** (power - 1.0)
         * np.exp(-factor * root**power)
     )
-    angle_deg = cycle.combustion_start_deg + cycle.combustion_duration_deg * root**ROOT_POWER
-    relative = volume.at(angle_deg=angle_deg) / float(volume.at(angle_deg=cycle.intake_closes_deg))
-    integrand = burnt_by_root * relative ** (cycle.heat_capacity_ratio - 1.0)
-    return np.asarray((half * integrand) @ weights, dtype=np.float64)
+    within = volume.at(angle_deg=start + duration * root**ROOT_POWER) / closing
+    parts = (half * (burnt_by_root * within ** (exponent - 1.0))) @ weights
+    integrals = np.concatenate([[0.0], np.cumsum(parts)])
+    relative = volume.at(angle_deg=angles_deg) / closing
+    rise = (exponent - 1.0) / closing * integrals[place[: angles_deg.size]] / relative**exponent
+    return np.asarray(rise, dtype=np.float64)
 
 
 def allowed_heat(state: CycleSamples, heat: float) -> float:
@@ -774,7 +770,13 @@ def gas_cycle(
             f"Solved: {name_of_field(solve_for)} {getattr(cycle, solve_for):.4g} deg in place of "
             f"{getattr(before, solve_for):.4g} deg."
         )
-    _check_resolved(cycle, count)
+    shortest = _shortest_duration(cycle, count)
+    if cycle.combustion_duration_deg < shortest * (1.0 - 1e-9):
+        raise InputError(
+            f"combustion_duration_deg: given {cycle.combustion_duration_deg:.4g} deg; allowed is "
+            f"{shortest:.4g} deg or more with {count} samples, because a shorter one "
+            "falls between them."
+        )
     state = cycle_samples(cycle, volume, angles_deg)
     if heat is not None:
         released = allowed_heat(state, heat)
@@ -857,16 +859,6 @@ def _shortest_duration(cycle: GasCycle, samples: int) -> float:
     return LEAST_STEPS * cycle.cycle_deg / samples
 
 
-def _check_resolved(cycle: GasCycle, samples: int) -> None:
-    shortest = _shortest_duration(cycle, samples)
-    if cycle.combustion_duration_deg < shortest * (1.0 - 1e-9):
-        raise InputError(
-            f"combustion_duration_deg: given {cycle.combustion_duration_deg:.4g} deg; allowed is "
-            f"{shortest:.4g} deg or more with {samples} samples, because a shorter one "
-            "falls between them."
-        )
-
-
 def _solved_combustion(
     cycle: GasCycle,
     volume: CylinderVolume,
@@ -898,7 +890,15 @@ def _solved_combustion(
             return math.inf
         return state.peak(state.heat_for_mean_pressure(mean_pressure))
 
-    places = _search_angles(cycle, angles_deg.size, name)
+    if name == "combustion_start_deg":
+        now = cycle.combustion_start_deg
+        low = min(max(EARLIEST_START, cycle.intake_closes_deg), now)
+        last = cycle.exhaust_opens_deg - cycle.combustion_duration_deg
+        high = max(min(LATEST_START, last), now)
+    else:
+        low = _shortest_duration(cycle, angles_deg.size)
+        high = min(LONGEST_DURATION, cycle.exhaust_opens_deg - cycle.combustion_start_deg)
+    places = np.linspace(low, high, SEARCH_PLACES, dtype=np.float64)
     peaks = np.array([peak_at(value) for value in places])
     # Later or slower combustion lowers the peak, down to that of compression or of a second hump
     # that a very late one makes; what comes after the lowest is left aside.
@@ -920,14 +920,3 @@ def _solved_combustion(
     first = int(below[0])
     root = brentq(lambda value: peak_at(value) - peak, places[first], places[first + 1], xtol=1e-15)
     return changed(float(root))
-
-
-def _search_angles(cycle: GasCycle, samples: int, name: Solved) -> FloatArray:
-    """Return the angles at which to search for the start or the duration of the combustion [deg]."""
-    if name == "combustion_start_deg":
-        start = cycle.combustion_start_deg
-        low = max(EARLIEST_START, cycle.intake_closes_deg)
-        high = min(LATEST_START, cycle.exhaust_opens_deg - cycle.combustion_duration_deg)
-        return np.linspace(min(low, start), max(high, start), SEARCH_PLACES, dtype=np.float64)
-    high = min(LONGEST_DURATION, cycle.exhaust_opens_deg - cycle.combustion_start_deg)
-    return np.linspace(_shortest_duration(cycle, samples), high, SEARCH_PLACES, dtype=np.float64)

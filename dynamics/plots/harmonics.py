@@ -180,7 +180,11 @@ def draw_star(
         linewidth=0.8,
     )
     color = KIND_COLORS[star.kind]
-    for tips in _by_direction(star):
+    # Cylinders by direction as drawn: negative lengths point backwards.
+    turned = np.where(star.weights < 0.0, -1.0, 1.0)
+    units = turned * np.exp(1j * np.radians(star.directions_deg))
+    alike = grouped(range(units.size), lambda group, tip: abs(units[group[0]] - units[tip]) < 1e-6)
+    for tips in alike:
         ends = star.vectors[tips] / longest
         for length in np.unique(np.round(np.abs(ends), 9)).tolist():
             _arrow(axes, center, length * _unit(complex(ends[0])), color, 1.6)
@@ -206,13 +210,6 @@ def finish_stars(axes: Axes, rows: int = 1, columns: int = 1) -> None:
     half = 0.5 * STAR_STEP
     axes.set_xlim(-half, STAR_STEP * columns - half)
     axes.set_ylim(-1.15 * STAR_STEP * (rows - 1) - half, half + 0.4)
-
-
-def _by_direction(star: _Vectors) -> list[list[int]]:
-    """Return the cylinders, from 0, grouped by direction as drawn: negative lengths point backwards."""
-    turned = np.where(star.weights < 0.0, -1.0, 1.0)
-    units = turned * np.exp(1j * np.radians(star.directions_deg))
-    return grouped(range(units.size), lambda group, tip: abs(units[group[0]] - units[tip]) < 1e-6)
 
 
 def _unit(vector: complex) -> complex:

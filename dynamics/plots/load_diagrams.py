@@ -87,9 +87,17 @@ def draw_hodographs(
     for number, (name, curve) in enumerate(curves.items()):
         color = COLORS[number % len(COLORS)]
         left, upwards = (KILO * part for part in curve.points(POINTS))
-        axes.plot(-left, upwards, color=color, linestyle=DASHES[number % len(DASHES)], label=name)
-        axes.plot(-left[0], upwards[0], "o", color=color, markersize=4)
-        _draw_arrow(axes, -left, upwards, color)
+        rightwards = -left
+        axes.plot(
+            rightwards, upwards, color=color, linestyle=DASHES[number % len(DASHES)], label=name
+        )
+        axes.plot(rightwards[0], upwards[0], "o", color=color, markersize=4)
+        # An arrowhead an eighth of the way along the curve, unless it is a point.
+        place = POINTS // 8
+        tail, head = ((rightwards[at], upwards[at]) for at in (place, place + 3))
+        if math.dist(tail, head) > 0.0:
+            arrow = {"arrowstyle": "-|>", "color": color, "mutation_scale": 11}
+            axes.annotate("", head, tail, arrowprops=arrow)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-reach, reach)
     axes.set_aspect("equal")
@@ -105,16 +113,6 @@ def draw_hodographs(
         axes.set_xticks([])
         axes.set_yticks([])
     return axes
-
-
-def _draw_arrow(axes: Axes, across: FloatArray, up: FloatArray, color: str) -> None:
-    """Draw an arrowhead an eighth of the way along the curve, unless it is a point."""
-    place = POINTS // 8
-    tail, head = (across[place], up[place]), (across[place + 3], up[place + 3])
-    if math.dist(tail, head) > 0.0:
-        axes.annotate(
-            "", head, tail, arrowprops={"arrowstyle": "-|>", "color": color, "mutation_scale": 11}
-        )
 
 
 # Half width and half height of an angle's label as shares of the diagram's width, on a small screen.

@@ -121,12 +121,12 @@ def shaft_shape(positions: FloatArray, motion: FloatArray, radius: float) -> Dia
     )
     every = np.concatenate([curve for _, curve, _, _ in curves])
     largest = float(every[np.argmax(np.abs(every))]) or 1.0
-    told = "<br>%{y:.3f} of the largest<br>at %{x:.5g} mm"
+    values = "<br>%{y:.3f} of the largest<br>at %{x:.5g} mm"
     return Diagram(
         Limits("position along the shaft [mm]"),
         Limits("relative displacement [1]", (-1.1, 1.1)),
         [
-            Line(MILLI * positions, curve / largest, name, color, name + told, 1.4, dash, 2.5)
+            Line(MILLI * positions, curve / largest, name, color, name + values, 1.4, dash, 2.5)
             for name, curve, color, dash in curves
         ],
         level=True,

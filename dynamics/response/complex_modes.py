@@ -205,6 +205,8 @@ def complex_modes(
     A mode gets the number of the undamped mode nearest in frequency, taken midway between ring
     free and ring locked, so that the total distance is least.
     """
+    from scipy.optimize import linear_sum_assignment  # here: loading it takes a quarter second
+
     if isinstance(chain_or_system, ForcedResponse):
         chain, system = chain_or_system.chain, chain_or_system.system
     else:
@@ -219,16 +221,28 @@ def complex_modes(
     undamped, locked = system.elastic_frequencies, _locked_frequencies(chain, system)
     nodes = motion @ system.expand.T
     largest = nodes[np.arange(upper.size), np.argmax(np.abs(nodes), axis=1)]
+    middle = undamped if locked is None else np.sqrt(undamped * locked)
+    damped = np.abs(upper) / (2.0 * np.pi)
+    rows, columns = linear_sum_assignment(np.abs(np.log(damped[:, np.newaxis] / middle)))
+    numbers = np.zeros(damped.size, dtype=np.int64)
+    numbers[rows] = columns + 1
+    # An eigenvalue is of its own mode, or of that of which it is the mirror image.
+    places = np.full(eigenvalues.size, -1, dtype=np.int64)
+    mirrored = np.flatnonzero(eigenvalues.imag < 0.0)
+    apart = np.abs(eigenvalues[vibrating, np.newaxis].imag + eigenvalues[mirrored].imag)
+    rows, columns = linear_sum_assignment(apart)
+    places[mirrored[columns]] = rows
+    places[vibrating] = np.arange(vibrating.size)
     return ComplexModes(
         eigenvalues=upper,
-        numbers=_numbers(np.abs(upper) / (2.0 * np.pi), undamped, locked),
+        numbers=numbers,
         shapes=(nodes / largest[:, np.newaxis]).T,
         undamped=undamped,
         locked=locked,
         sources=_sources(chain, system, upper, motion),
         system=system,
         terms=terms,
-        places=_places(eigenvalues, vibrating),
+        places=places,
     )
 
 
@@ -245,19 +259,6 @@ def _with_undamped(terms: DampedModes) -> tuple[ComplexArray, ComplexArray, Comp
     )
 
 
-def _places(eigenvalues: ComplexArray, vibrating: NDArray[np.intp]) -> NDArray[np.int64]:
-    """Return the mode of each eigenvalue: its own, or that of which it is the mirror image."""
-    from scipy.optimize import linear_sum_assignment  # here: loading it takes a quarter second
-
-    places = np.full(eigenvalues.size, -1, dtype=np.int64)
-    mirrored = np.flatnonzero(eigenvalues.imag < 0.0)
-    apart = np.abs(eigenvalues[vibrating, np.newaxis].imag + eigenvalues[mirrored].imag)
-    rows, columns = linear_sum_assignment(apart)
-    places[mirrored[columns]] = rows
-    places[vibrating] = np.arange(vibrating.size)
-    return places
-
-
 def _locked_frequencies(chain: Chain | None, system: LinearSystem) -> FloatArray | None:
     """Return the natural frequencies with rigid dashpots [Hz]; None without them."""
     if chain is None or not chain.dashpots:
@@ -268,20 +269,6 @@ def _locked_frequencies(chain: Chain | None, system: LinearSystem) -> FloatArray
     frequencies, _ = elastic_modes(rows, mass, int(np.linalg.matrix_rank(rows)))
     same = frequencies.size == system.elastic_frequencies.size
     return frequencies / (2.0 * np.pi) if same else None
-
-
-def _numbers(
-    damped: FloatArray, undamped: FloatArray, locked: FloatArray | None
-) -> NDArray[np.int64]:
-    """Number modes by the corresponding undamped ones."""
-    from scipy.optimize import linear_sum_assignment
-
-    middle = undamped if locked is None else np.sqrt(undamped * locked)
-    apart = np.abs(np.log(damped[:, np.newaxis] / middle))
-    rows, columns = linear_sum_assignment(apart)
-    numbers = np.zeros(damped.size, dtype=np.int64)
-    numbers[rows] = columns + 1
-    return numbers
 
 
 def _sources(

@@ -553,10 +553,10 @@ class _Vibration:
         """
 
         def of(modes: ComplexModes, some: slice) -> list[NDArray[Any]]:
-            given = w[some], forces[some], rows[some]
+            exciting = w[some], forces[some], rows[some]
             reached = modes.magnifiers(w[some]) >= BAND * modes.largest_magnifiers
-            first = modes.contributions(*given, balanced=balanced[some])
-            return [first, modes.contributions(*given, 3), reached]
+            first = modes.contributions(*exciting, balanced=balanced[some])
+            return [first, modes.contributions(*exciting, 3), reached]
 
         if not self.response.system.varying:
             first, third, reached = of(self.modes, slice(None))

@@ -100,10 +100,20 @@ def harmonic_response(
     sample = np.concatenate((sample, modal.near_resonance(frequencies)))
 
     def largest_residual(products: bool = False) -> float:
-        moved = motion[sample]
-        left = forces[sample] - system.varying_forces(frequencies[sample], speeds[sample], moved)
-        left = _residuals(system, frequencies[sample], left, moved, products)
-        return float(np.max(left, initial=0.0))
+        """Return the largest residual relative to a solution's largest term, or to the products in it."""
+        moved, w = motion[sample], frequencies[sample, np.newaxis]
+        acting = forces[sample] - system.varying_forces(frequencies[sample], speeds[sample], moved)
+        elastic = moved @ (system.stiffness + 1j * system.loss)
+        inertial = w**2 * (moved @ system.mass)
+        viscous = 1j * w * (moved @ system.damping)
+        left = np.abs(elastic - inertial + viscous - acting)
+        if products:
+            elastic = np.abs(moved) @ np.abs(system.stiffness + 1j * system.loss)
+            inertial = w**2 * (np.abs(moved) @ np.abs(system.mass))
+        terms = np.maximum(np.maximum(np.abs(elastic), np.abs(inertial)), np.abs(acting))
+        largest = np.max(terms, axis=1)
+        relative = np.max(left, axis=1) / np.where(largest > 0.0, largest, 1.0)
+        return float(np.max(relative, initial=0.0))
 
     if method != "direct":
         rest &= not largest_residual() <= RESIDUAL_LIMIT
@@ -132,28 +142,6 @@ def dynamic_stiffness(
         added = spring.added(angular_frequencies, speeds)[:, np.newaxis, np.newaxis]
         matrices = matrices + added * np.outer(spring.row, spring.row)
     return matrices
-
-
-def _residuals(
-    system: LinearSystem,
-    frequencies: FloatArray,
-    forces: ComplexArray,
-    motion: ComplexArray,
-    products: bool,
-) -> FloatArray:
-    """Return the residual of each solution relative to its largest term, or to the products in it."""
-    w = frequencies[:, np.newaxis]
-    elastic = motion @ (system.stiffness + 1j * system.loss)
-    inertial = w**2 * (motion @ system.mass)
-    viscous = 1j * w * (motion @ system.damping)
-    left = np.abs(elastic - inertial + viscous - forces)
-    if products:
-        moved = np.abs(motion)
-        elastic = moved @ np.abs(system.stiffness + 1j * system.loss)
-        inertial = w**2 * (moved @ np.abs(system.mass))
-    terms = np.maximum(np.maximum(np.abs(elastic), np.abs(inertial)), np.abs(forces))
-    largest = np.max(terms, axis=1)
-    return np.asarray(np.max(left, axis=1) / np.where(largest > 0.0, largest, 1.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -833,7 +833,14 @@ def transient_motion(
         )
     state = np.zeros(len(space.matrix))
     if start == "steady":
-        state = _steady_start(system, excitation, speed)
+        steady, state = steady_from(
+            system, excitation, float(speed.speeds[0]), math.radians(speed.start_angle_deg)
+        )
+        if steady.unbounded:
+            raise InputError(
+                f"start: given 'steady' at {speed.speeds[0]:g} rad/s; allowed is 'rest' there, because an "
+                "undamped mode is excited at its own frequency."
+            )
     times, states, error, complete = _integrate_segments(space, acting, pieces, state, progress)
     turned, excitations = speed.angle_deg(times), [(float(times[0]), excitation), *changes]
     pushed = _pushed(system.chain, excitations, times, np.radians(turned), speed.speed(times))
@@ -900,17 +907,3 @@ def _step_blocks(pieces: Sequence[TimeSegment]) -> Iterator[tuple[float, FloatAr
         for first in range(0, piece.steps, STRETCH):
             numbers = np.arange(first, min(first + STRETCH, piece.steps))
             yield piece.step, np.asarray(piece.start + piece.step * numbers)
-
-
-def _steady_start(
-    system: ViscousSystem, excitation: OrderExcitation, speed: SpeedCurve
-) -> FloatArray:
-    steady, state = steady_from(
-        system, excitation, float(speed.speeds[0]), math.radians(speed.start_angle_deg)
-    )
-    if steady.unbounded:
-        raise InputError(
-            f"start: given 'steady' at {speed.speeds[0]:g} rad/s; allowed is 'rest' there, because an "
-            "undamped mode is excited at its own frequency."
-        )
-    return state

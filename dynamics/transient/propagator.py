@@ -684,8 +684,27 @@ class AppliedForces:
         """Return the forces; arguments as for `transient_motion`."""
         for place, load in enumerate(loads):
             node_index(f"loads[{place}].node", load.node, len(inputs))
-        in_turn = _successive_excitations(excitation, changes, curve, inputs)
-        return cls(curve, in_turn, tuple(loads), inputs)
+        begins = [float(curve.times[0])]
+        for place, (time, _) in enumerate(changes):
+            value = float(finite_array(f"changes[{place}]", time))
+            if not begins[-1] < value < curve.times[-1]:
+                raise InputError(
+                    f"changes[{place}]: given a time of {value:g} s; allowed are ascending times above "
+                    f"{begins[-1]:g} s and below {curve.times[-1]:g} s, because each excitation takes over "
+                    "from the one before within the run."
+                )
+            begins.append(value)
+        ends = [*begins[1:], float(curve.times[-1])]
+        in_turn = []
+        for begin, end, exciting in zip(
+            begins, ends, (excitation, *(later for _, later in changes)), strict=True
+        ):
+            forces = OrderForces.of(exciting, inputs)
+            within = (curve.times > begin) & (curve.times < end)
+            passed = np.append(curve.speed([begin, end]), curve.speeds[within])
+            forces.check_speeds(float(passed.min()), float(passed.max()))
+            in_turn.append((begin, forces))
+        return cls(curve, tuple(in_turn), tuple(loads), inputs)
 
     @property
     def orders(self) -> FloatArray:
@@ -724,33 +743,3 @@ def time_segments(acting: AppliedForces, longest: float) -> list[TimeSegment]:
         steps = max(1, math.ceil(count))
         pieces.append(TimeSegment(start, (end - start) / steps, steps))
     return pieces
-
-
-def _successive_excitations(
-    excitation: OrderExcitation,
-    changes: Sequence[tuple[float, OrderExcitation]],
-    speed: SpeedCurve,
-    inputs: FloatArray,
-) -> tuple[tuple[float, OrderForces], ...]:
-    """Return the forces on the modes and the start time of each, and check their speeds."""
-    begins = [float(speed.times[0])]
-    for place, (time, _) in enumerate(changes):
-        value = float(finite_array(f"changes[{place}]", time))
-        if not begins[-1] < value < speed.times[-1]:
-            raise InputError(
-                f"changes[{place}]: given a time of {value:g} s; allowed are ascending times above "
-                f"{begins[-1]:g} s and below {speed.times[-1]:g} s, because each excitation takes over "
-                "from the one before within the run."
-            )
-        begins.append(value)
-    ends = [*begins[1:], float(speed.times[-1])]
-    acting = []
-    for begin, end, exciting in zip(
-        begins, ends, (excitation, *(later for _, later in changes)), strict=True
-    ):
-        forces = OrderForces.of(exciting, inputs)
-        within = (speed.times > begin) & (speed.times < end)
-        passed = np.append(speed.speed([begin, end]), speed.speeds[within])
-        forces.check_speeds(float(passed.min()), float(passed.max()))
-        acting.append((begin, forces))
-    return tuple(acting)

@@ -426,7 +426,16 @@ def assemble_turning_chain(
     throws = expand[np.asarray(nodes)]
     ground = expand.T @ (chain.ground_damping[:, np.newaxis] * expand)
     relative = linear.damping - ground
-    even = _even_turning(linear.rigid, relative)
+    # The motion that neither springs nor relative damping resist.
+    even = linear.rigid[:, 0]
+    if linear.rigid.shape[1] > 1:
+        values, vectors = np.linalg.eigh(linear.rigid.T @ relative @ linear.rigid)
+        if values[0] > EVEN * values[-1]:
+            raise InputError(
+                "engine_chain: given parts that dashpots hold back from turning together; allowed are "
+                "parts whose speeds the dashpots join are equal, because the shaft turns steadily."
+            )
+        even = linear.rigid @ vectors[:, 0]
     even = even / (throws[0] @ even)
     if np.any(np.abs(throws @ even - 1.0) > EVEN):
         raise InputError(
@@ -445,19 +454,6 @@ def assemble_turning_chain(
     return TurningChain(
         system, curves, throws, constant, relative, ground, even, expand[load_node].copy()
     )
-
-
-def _even_turning(rigid: FloatArray, relative: FloatArray) -> FloatArray:
-    """Return the motion that neither springs nor relative damping resist, (q,)."""
-    if rigid.shape[1] == 1:
-        return rigid[:, 0]
-    values, vectors = np.linalg.eigh(rigid.T @ relative @ rigid)
-    if values[0] > EVEN * values[-1]:
-        raise InputError(
-            "engine_chain: given parts that dashpots hold back from turning together; allowed are "
-            "parts whose speeds the dashpots join are equal, because the shaft turns steadily."
-        )
-    return np.asarray(rigid @ vectors[:, 0])
 
 
 IntegrationMethod = Literal["DOP853", "Radau"]
