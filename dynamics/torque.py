@@ -385,9 +385,9 @@ class EngineTorque(Result):
             np.radians(self.shaft_angles_deg),
             shown,
             "torque [kN m]",
-            title=title,
             colors=colors,
         )
+        write_title(axes, title)
         # Above the curves, which fill the axes.
         legend_above(axes)
         return axes

@@ -19,6 +19,7 @@ from crankbase.array_checks import (
     radians_of,
     read_only,
 )
+from crankbase.diagrams import write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
@@ -182,10 +183,10 @@ class GasPressure:
             np.radians(self.angles_deg),
             {"pressure": MEGA * self.pressure},
             "absolute pressure [MPa]",
-            title="Gas pressure",
             angle_label=from_top(self.strokes),
         )
         axes.set_ylim(bottom=0.0)
+        write_title(axes, "Gas pressure")
         return axes
 
     def to_pandas(self) -> DataFrame:

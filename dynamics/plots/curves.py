@@ -170,7 +170,6 @@ def draw_over_angle(
     curves: Mapping[str, FloatArray],
     label: str,
     *,
-    title: str = "",
     angle_label: str = "shaft angle [deg]",
     cyclic: bool = True,
     colors: Sequence[Any] = COLORS,
@@ -197,7 +196,7 @@ def draw_over_angle(
         degrees = np.append(degrees, 2.0 * degrees[-1] - degrees[-2])
         curves = {name: np.append(values, values[0]) for name, values in curves.items()}
     axes = new_axes(axes)
-    _draw_curves(axes, degrees, curves, label, title, colors)
+    _draw_curves(axes, degrees, curves, label, colors)
     first, last = float(degrees[0]), float(degrees[-1])
     step = next((step for longest, step in TICKS if last - first <= SAME * longest), None)
     if step is not None and last - first > step:
@@ -213,7 +212,7 @@ def draw_over_time(
 ) -> Axes:
     """Draw curves over the time [s], with gaps where values are not finite. See `draw_over_angle`."""
     axes = new_axes(axes)
-    _draw_curves(axes, time, curves, label, "", COLORS)
+    _draw_curves(axes, time, curves, label, COLORS)
     if time[-1] > time[0]:
         axes.set_xlim(time[0], time[-1])
     axes.set_xlabel("time [s]")
@@ -225,15 +224,12 @@ def _draw_curves(
     along: FloatArray,
     curves: Mapping[str, FloatArray],
     label: str,
-    title: str,
     colors: Sequence[Any],
 ) -> None:
     for place, (name, values) in enumerate(curves.items()):
         color = colors[place % len(colors)]
         axes.plot(along, with_gaps(values), color=color, linewidth=LINE, label=name)
     axes.set_ylabel(label)
-    if title:
-        write_title(axes, title)
     if len(curves) > 1:
         legend_inside(axes)
 

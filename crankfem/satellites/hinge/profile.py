@@ -156,14 +156,10 @@ class HingeMoment(Result):
             "driven machine": np.full(self.angles_deg.shape, -KILO * self.load),
         }
         title = f"Moments at {format_quantity(self.speed, 'rad/s', 5)}"
-        return draw_over_angle(
-            axes,
-            np.radians(self.angles_deg),
-            curves,
-            "moment [kN m]",
-            title=title,
-            angle_label=FROM_TOP,
-        )
+        axes, label = new_axes(axes), "moment [kN m]"
+        draw_over_angle(axes, np.radians(self.angles_deg), curves, label, angle_label=FROM_TOP)
+        write_title(axes, title)
+        return axes
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank."""
@@ -753,9 +749,10 @@ class HingeProfile(Result):
                 if show == "moment"
                 else (MILLI * self.radius, "radius [mm]")
             )
-            return draw_over_angle(
-                axes, self._angles, {show: values}, label, title=title, angle_label=FROM_TOP
-            )
+            axes = new_axes(axes)
+            draw_over_angle(axes, self._angles, {show: values}, label, angle_label=FROM_TOP)
+            write_title(axes, title)
+            return axes
         axes = new_axes(axes, width=6.0, height=6.0)
         path = self.radius * np.exp(1j * self._angles)
         for curve, color, name in (
@@ -886,14 +883,10 @@ class SteadyHingeTurn(Result):
         """Draw the speed over the crank angle."""
         curves = {"speed": RPM * self.speed}
         title = f"Speed over a turn, fluctuation {self.fluctuation:.2g}"
-        return draw_over_angle(
-            axes,
-            np.radians(self.angles_deg),
-            curves,
-            "crank speed [1/min]",
-            title=title,
-            angle_label=FROM_TOP,
-        )
+        axes, label = new_axes(axes), "crank speed [1/min]"
+        draw_over_angle(axes, np.radians(self.angles_deg), curves, label, angle_label=FROM_TOP)
+        write_title(axes, title)
+        return axes
 
     def to_pandas(self) -> DataFrame:
         """Return crank angles and speeds."""
