@@ -414,10 +414,11 @@ def one_cycle(
         closing = rows.values[cut.closing]
         first = values[0]
         size = float(np.max(np.abs(values)))
-        differs, noise = (
-            abs(closing - first),
-            min(NOISE_WITHIN * _noise(values), LARGEST_NOISE * size),
-        )
+        differs = abs(closing - first)
+        # The errors' standard deviation, by third differences of the samples.
+        thirds = np.diff(np.concatenate([values, values[:3]]), n=3)
+        deviation = float(np.median(np.abs(thirds))) / _THIRD
+        noise = min(NOISE_WITHIN * deviation, LARGEST_NOISE * size)
         if differs > max(tolerance * size, noise, NOISE_WITHIN * scatter):
             faults.append(_closing_fault(rows, cut, single))
         elif differs > tolerance * size and len(cut.cycles) == 1:
@@ -559,12 +560,6 @@ def _mean_cycle(
         f"largest value); their highest values by {highest:.3g} {rows.unit}."
     )
     return replace(first, values=values.mean(axis=0)), float(scatter[0]), [remark], []
-
-
-def _noise(values: FloatArray) -> float:
-    """Estimate the standard deviation of the errors of samples, by their third differences."""
-    closed = np.concatenate([values, values[:3]])
-    return float(np.median(np.abs(np.diff(closed, n=3)))) / _THIRD
 
 
 def _closing_fault(rows: SampleRows, cut: _Cut, single: SampleRows) -> str:

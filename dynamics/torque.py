@@ -110,27 +110,27 @@ def throws_along_shaft(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:
     numbers = range(1, len(engine.cylinders) + 1)
     along = sorted(numbers, key=lambda number: (engine.cylinders[number - 1].position, number))
     mains = (number for number in along if engine.main_of(number) == number)
-    throws = grouped(mains, lambda throw, number: _shares(engine, throw, number))
+
+    def shares(throw: list[int], number: int) -> bool:
+        cylinder = engine.cylinders[number - 1]
+        for other in (engine.cylinders[member - 1] for member in throw):
+            turned = math.remainder(
+                math.radians(cylinder.crank_angle_deg - other.crank_angle_deg), 2.0 * math.pi
+            )
+            leaning = math.remainder(
+                math.radians(cylinder.bank_angle_deg - other.bank_angle_deg), 2.0 * math.pi
+            )
+            apart = abs(cylinder.position - other.position)
+            if abs(turned) > IN_LINE or abs(leaning) <= IN_LINE or apart >= CLOSE * cylinder.bore:
+                return False
+        return True
+
+    throws = grouped(mains, shares)
     for number in along:
         main = engine.main_of(number)
         if main != number:
             next(throw for throw in throws if main in throw).append(number)
     return tuple(tuple(sorted(throw)) for throw in throws)
-
-
-def _shares(engine: EngineLayout, throw: list[int], number: int) -> bool:
-    cylinder = engine.cylinders[number - 1]
-    for other in (engine.cylinders[member - 1] for member in throw):
-        turned = math.remainder(
-            math.radians(cylinder.crank_angle_deg - other.crank_angle_deg), 2.0 * math.pi
-        )
-        leaning = math.remainder(
-            math.radians(cylinder.bank_angle_deg - other.bank_angle_deg), 2.0 * math.pi
-        )
-        apart = abs(cylinder.position - other.position)
-        if abs(turned) > IN_LINE or abs(leaning) <= IN_LINE or apart >= CLOSE * cylinder.bore:
-            return False
-    return True
 
 
 def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[int, ...], ...]:

@@ -158,11 +158,13 @@ def critical_ranges(
                 for variant, _, _ in each
             ]
             for shift in shifts[0]:
-                ends = [
-                    (partner * low[mode], partner * high[mode])
-                    for (_, low, high), peaks in zip(each, shifts, strict=True)
-                    for partner in [_partner(shift, shifts[0], peaks)]
-                ]
+                ends = []
+                for (_, low, high), peaks in zip(each, shifts, strict=True):
+                    # The peak that belongs to the nominal one, or that one's own shift if none does.
+                    near = min(peaks, key=lambda peak: abs(peak - shift), default=shift)
+                    mutual = min(shifts[0], key=lambda peak: abs(peak - near)) == shift
+                    partner = near if mutual else shift
+                    ends.append((partner * low[mode], partner * high[mode]))
                 middle = per_hertz * shift * float(modes.frequencies[mode])
                 least = per_hertz * float(min(low for low, _ in ends))
                 most = per_hertz * float(max(high for _, high in ends))
@@ -176,12 +178,6 @@ def critical_ranges(
     return tuple(
         sorted(ranges, key=lambda critical: (critical.nominal, critical.mode, critical.order))
     )
-
-
-def _partner(shift: float, nominal: Sequence[float], peaks: Sequence[float]) -> float:
-    """Return the peak that belongs to a nominal one, or that one's own shift if none does."""
-    nearest = min(peaks, key=lambda peak: abs(peak - shift), default=shift)
-    return nearest if min(nominal, key=lambda peak: abs(peak - nearest)) == shift else shift
 
 
 MAJOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 204"

@@ -272,13 +272,17 @@ class Chain:
         stiffnesses = positive_vector(
             "stiffness", stiffness, unit, "a spring without stiffness cuts the chain in two"
         )
+        mass_unit = "kg m^2 (torsional) or kg (axial)"
         spread = _of_elements(
-            "distributed_inertia",
-            distributed_inertia,
-            stiffnesses.size,
-            "kg m^2 (torsional) or kg (axial)",
+            "distributed_inertia", distributed_inertia, stiffnesses.size, mass_unit
         )
-        inertias = _checked_inertias(inertia, zero_allowed=bool(np.any(spread)) or bool(gears))
+        why = "a node without inertia has no motion of its own"
+        check = nonnegative_vector if np.any(spread) or gears else positive_vector
+        inertias = check("inertia", inertia, mass_unit, why)
+        if inertias.size == 0:
+            raise InputError(
+                "inertia: given no values; allowed are one or more, because a chain has a node."
+            )
         count = inertias.size
         pairs = checked_pairs(connections, count)
         if stiffnesses.size != len(pairs):
@@ -304,8 +308,13 @@ class Chain:
             "dashpots": tuple(dashpots),
             "gears": tuple(gears),
             "varying": tuple(varying),
-            "names": _checked_names(names, count),
+            "names": tuple(f"node {k}" for k in range(count)) if names is None else tuple(names),
         }
+        if names is not None and (len(names) != count or len(set(names)) != count):
+            raise InputError(
+                f"names: given {len(names)} names, {len(set(names))} of them different; allowed is a "
+                f"different one for each of the {count} nodes, because results are named by them."
+            )
         for name, value in values.items():
             object.__setattr__(self, name, value)
         for spring in self.varying:
@@ -537,20 +546,6 @@ def _differences(pairs: Sequence[tuple[int, int]], count: int) -> FloatArray:
     return rows
 
 
-def _checked_inertias(inertia: ArrayLike, *, zero_allowed: bool) -> FloatArray:
-    unit, why = (
-        "kg m^2 (torsional) or kg (axial)",
-        "a node without inertia has no motion of its own",
-    )
-    check = nonnegative_vector if zero_allowed else positive_vector
-    inertias = check("inertia", inertia, unit, why)
-    if inertias.size == 0:
-        raise InputError(
-            "inertia: given no values; allowed are one or more, because a chain has a node."
-        )
-    return inertias
-
-
 def _of_elements(field: str, values: ArrayLike, count: int, unit: str) -> FloatArray:
     """Return one non-negative value per element; a single number applies to all."""
     why = "it is that of a passive element"
@@ -563,14 +558,3 @@ def _to_ground(
     return read_only(
         values_at_nodes(field, values, count, unit, "a support does not push a node away")
     )
-
-
-def _checked_names(names: Sequence[str] | None, count: int) -> tuple[str, ...]:
-    if names is None:
-        return tuple(f"node {number}" for number in range(count))
-    if len(names) != count or len(set(names)) != count:
-        raise InputError(
-            f"names: given {len(names)} names, {len(set(names))} of them different; allowed is a "
-            f"different one for each of the {count} nodes, because results are named by them."
-        )
-    return tuple(names)

@@ -311,7 +311,18 @@ def crankshaft_system(
     else:
         positive_number("highest_frequency", highest_frequency, "Hz", "modes are kept up to it")
         cut = max(rigid, int(np.count_nonzero(modes.frequencies <= highest_frequency)))
-    corrections = _corrections(shaft, modes, cut)
+    # Static responses (u, c) of the modes left out, of unit mass and orthogonal to each other.
+    corrections = left_out = modes.shapes[:, cut:]
+    if left_out.shape[1]:
+        last = 6 * (shaft.section_count - 1)
+        ends = shaft.sections[[UZ, RZ, last + UZ, last + RZ]]
+        loads = np.vstack((shaft.pins, ends, shaft.dashpots, shaft.added))
+        # In the modes left out: amplitudes (modes, loads), each load scaled to an answer of unit mass.
+        answers = (left_out.T @ loads.T) / modes.angular_frequencies[cut:, np.newaxis] ** 2
+        sizes = np.linalg.norm(answers, axis=0)
+        answers = answers[:, sizes > 0.0] / sizes[sizes > 0.0]
+        directions, singular, _ = np.linalg.svd(answers, full_matrices=False)
+        corrections = left_out @ directions[:, singular > INDEPENDENT * singular[0]]
     elastic = np.hstack((modes.shapes[:, rigid:cut], corrections))
     basis = np.hstack((shaft.rigid, elastic))
     mass, stiffness = (basis.T @ matrix @ basis for matrix in (shaft.mass, shaft.stiffness))
@@ -338,19 +349,3 @@ def crankshaft_system(
         highest_frequency=highest_frequency,
         momenta=shaft.momenta @ basis,
     )
-
-
-def _corrections(shaft: AssembledShaft, modes: ShaftModes, cut: int) -> FloatArray:
-    """Static responses (u, c) of the modes left out, of unit mass and orthogonal to each other."""
-    left_out = modes.shapes[:, cut:]
-    if not left_out.shape[1]:
-        return left_out
-    last = 6 * (shaft.section_count - 1)
-    ends = shaft.sections[[UZ, RZ, last + UZ, last + RZ]]
-    loads = np.vstack((shaft.pins, ends, shaft.dashpots, shaft.added))
-    # In the modes left out: amplitudes (modes, loads), each load scaled to an answer of unit mass.
-    answers = (left_out.T @ loads.T) / modes.angular_frequencies[cut:, np.newaxis] ** 2
-    sizes = np.linalg.norm(answers, axis=0)
-    answers = answers[:, sizes > 0.0] / sizes[sizes > 0.0]
-    directions, singular, _ = np.linalg.svd(answers, full_matrices=False)
-    return np.asarray(left_out @ directions[:, singular > INDEPENDENT * singular[0]])

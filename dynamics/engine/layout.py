@@ -43,26 +43,24 @@ MOST_CYLINDERS = 48
 
 def check_firing_order(firing_order: Sequence[int], cylinders: int) -> None:
     """Refuse an order that repeats or omits a cylinder."""
-    order = list(firing_order)
-    fault = _order_fault(order, cylinders)
-    if fault is not None:
+    order, fault = list(firing_order), ""
+    for number in order:
+        if not is_whole(number):
+            fault = "cylinders have whole numbers"
+        elif not 1 <= number <= cylinders:
+            fault = f"the engine has no cylinder {number}"
+        elif order.count(number) > 1:
+            fault = f"it repeats cylinder {number}"
+        if fault:
+            break
+    missing = [number for number in range(1, cylinders + 1) if number not in order]
+    if missing and not fault:
+        fault = f"it omits cylinder {missing[0]}"
+    if fault:
         raise InputError(
             f"firing_order: given {order}; allowed is each cylinder number from 1 to {cylinders} "
             f"once, because {fault}."
         )
-
-
-def _order_fault(order: list[int], cylinders: int) -> str | None:
-    """Return what is wrong with an order, or None."""
-    for number in order:
-        if not is_whole(number):
-            return "cylinders have whole numbers"
-        if not 1 <= number <= cylinders:
-            return f"the engine has no cylinder {number}"
-        if order.count(number) > 1:
-            return f"it repeats cylinder {number}"
-    missing = [number for number in range(1, cylinders + 1) if number not in order]
-    return f"it omits cylinder {missing[0]}" if missing else None
 
 
 def firing_order_from_text(text: str, before: str = "firing_order: ") -> tuple[int, ...]:

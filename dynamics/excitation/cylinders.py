@@ -208,6 +208,13 @@ def cylinder_harmonics(
             "misfire: given without a pressure; allowed is none, because an engine without gas forces "
             "does not fire."
         )
+    # What is used at all speeds: the pressure of all cylinders, that of some, or nothing.
+    constant = [
+        str(number) for number, source in enumerate(sources, start=1) if source.at_all_speeds
+    ]
+    one_diagram = f"pressure diagram of cylinder {', '.join(constant)}" if constant else ""
+    if len(constant) == cylinders:
+        one_diagram = PRESSURE_DIAGRAM
     return CylinderHarmonics(
         orders=read_only(asked),
         crank_radius=engine.crank_radius,
@@ -216,18 +223,10 @@ def cylinder_harmonics(
         weights=tuple(source.weights for source in sources) or (constant_weight,) * cylinders,
         inertia=_inertia_phasors(engine, asked, model) if inertia else none,
         takes_load=any(source.takes_load for source in sources),
-        one_diagram=_one_diagram([source.at_all_speeds for source in sources]),
+        one_diagram=one_diagram,
         remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
         changes=tuple(dict.fromkeys(text for source in sources for text in source.changes)),
     )
-
-
-def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
-    """State what is used at all speeds: the pressure of all cylinders, that of some, or nothing."""
-    if at_all_speeds and all(at_all_speeds):
-        return PRESSURE_DIAGRAM
-    some = [str(number) for number, constant in enumerate(at_all_speeds, start=1) if constant]
-    return f"pressure diagram of cylinder {', '.join(some)}" if some else ""
 
 
 def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[int, ...]:

@@ -636,10 +636,16 @@ def gas_sources(
 ) -> tuple[GasSource, ...]:
     """Return the source of the pressure in each cylinder; equal sources are one object."""
     fired = _one_for_each("pressure", pressure, engine)
-    failing = {
-        checked_cylinder(engine, number): _share(number, share)
-        for number, share in (misfire or {}).items()
-    }
+    failing = {}
+    for number, share in (misfire or {}).items():
+        cylinder, field = checked_cylinder(engine, number), f"misfire[{number}]"
+        missing = nonnegative_number(field, share, "", "it is a share of the combustion")
+        if missing > 1.0:
+            raise InputError(
+                f"{field}: given {missing:g}; allowed is 0 to 1, because it is the share of the combustion "
+                "that is missing."
+            )
+        failing[cylinder] = missing
     if not failing:
         return tuple(fired)
     if motored is None:
@@ -651,47 +657,32 @@ def gas_sources(
     cold = _one_for_each("motored", motored, engine)
     made: dict[tuple[GasSource, GasSource, float], GasSource] = {}
     for number, share in failing.items():
-        both = fired[number - 1], cold[number - 1]
-        key = (*both, share)
-        fired[number - 1] = made.setdefault(key, _mixed(*both, share))
+        with_fuel, without = fired[number - 1], cold[number - 1]
+        mixed = GasSource(
+            with_fuel.diagrams + without.diagrams,
+            partial(_mixed_weights, with_fuel, without, share),
+            with_fuel.takes_load or without.takes_load,
+            with_fuel.at_all_speeds or without.at_all_speeds,
+        )
+        fired[number - 1] = made.setdefault((with_fuel, without, share), mixed)
     return tuple(fired)
 
 
 def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list[GasSource]:
     pressures = pressure_of_each(field, pressure, engine)
-    made = {each: _source(each) for each in pressures}
+    made: dict[AnyPressure, GasSource] = {}
+    for each in pressures:
+        made[each] = (
+            GasSource(each.diagrams, each.weights, True, False)
+            if isinstance(each, PressureMap)
+            else GasSource((each,), constant_weight, False, True)
+        )
     return [made[each] for each in pressures]
-
-
-def _source(pressure: AnyPressure) -> GasSource:
-    if isinstance(pressure, PressureMap):
-        return GasSource(pressure.diagrams, pressure.weights, True, False)
-    return GasSource((pressure,), constant_weight, False, True)
 
 
 def constant_weight(speeds: FloatArray, _load: Load | None) -> FloatArray:
     """Return the constant weight of a diagram that is used at every speed."""
     return np.ones((speeds.size, 1))
-
-
-def _share(number: int, share: float) -> float:
-    missing = nonnegative_number(f"misfire[{number}]", share, "", "it is a share of the combustion")
-    if missing > 1.0:
-        raise InputError(
-            f"misfire[{number}]: given {missing:g}; allowed is 0 to 1, because it is the share of the "
-            "combustion that is missing."
-        )
-    return missing
-
-
-def _mixed(fired: GasSource, cold: GasSource, share: float) -> GasSource:
-    """Return the source of a cylinder that lacks a share of its combustion."""
-    return GasSource(
-        fired.diagrams + cold.diagrams,
-        partial(_mixed_weights, fired, cold, share),
-        fired.takes_load or cold.takes_load,
-        fired.at_all_speeds or cold.at_all_speeds,
-    )
 
 
 def _mixed_weights(
@@ -780,7 +771,17 @@ def load_curve(
         friction = friction_pressure / full.mean_effective_pressure
         share = friction + (1.0 - friction) * (speeds / rated_speed) ** 2
     else:
-        _check_within(speeds, points.speeds)
+        known = points.speeds
+        outside = (speeds < known[0] * (1.0 - SAME)) | (speeds > known[-1] * (1.0 + SAME))
+        if np.any(outside):
+            outer, low, high = (
+                format_quantity(float(speed), "rad/s", 5)
+                for speed in (speeds[outside][0], known[0], known[-1])
+            )
+            raise InputError(
+                f"load.points: given none for {outer}; allowed are speeds from {low} to {high}, because "
+                "nothing is extrapolated beyond the points."
+            )
         share = _between(speeds, points, points.mean_pressure) / full.mean_effective_pressure
     boost, peak = share * speeds / rated_speed, None
     taken_in = _boosted(full.cycle.intake_pressure, ATMOSPHERE, boost)
@@ -810,41 +811,30 @@ def pressures_along(
     motored : bool, optional
         Without combustion, at the same boost.
     """
+    column = np.s_[:, np.newaxis]
+    peak = None if motored or curve.peak_pressure is None else curve.peak_pressure[column]
     made: dict[GasCycleResult, PressureMap] = {}
-    maps = []
     for number, full in enumerate(full_load, start=1):
-        if full not in made:
-            made[full] = _map_along(curve, full, layout, number, motored)
-        maps.append(made[full])
-    return tuple(maps)
-
-
-def _map_along(
-    curve: LoadCurve, full: GasCycleResult, layout: EngineLayout, number: int, motored: bool
-) -> PressureMap:
-    # What was assumed is told of full load.
-    cycle = replace(full.cycle, assumed=())
-    area, column = layout.cylinders[number - 1].area, np.s_[:, np.newaxis]
-    try:
-        return pressure_map_from_cycles(
-            cycle,
-            piston_position(layout, number),
-            area,
-            curve.speeds,
-            [1.0],
-            heat=0.0 if motored else None,
-            mean_effective_pressure=(
-                None if motored else (curve.mean_pressure * full.mean_effective_pressure)[column]
-            ),
-            peak_pressure=(
-                None if motored or curve.peak_pressure is None else curve.peak_pressure[column]
-            ),
-            intake_pressure=curve.intake_pressure[column],
-            exhaust_pressure=curve.exhaust_pressure[column],
-            method="cubic",
-        )
-    except InputError as error:
-        raise InputError(f"load: {name_fields(error)}") from None
+        if full in made:
+            continue
+        mean = None if motored else (curve.mean_pressure * full.mean_effective_pressure)[column]
+        try:
+            made[full] = pressure_map_from_cycles(
+                replace(full.cycle, assumed=()),  # what was assumed is told of full load
+                piston_position(layout, number),
+                layout.cylinders[number - 1].area,
+                curve.speeds,
+                [1.0],
+                heat=0.0 if motored else None,
+                mean_effective_pressure=mean,
+                peak_pressure=peak,
+                intake_pressure=curve.intake_pressure[column],
+                exhaust_pressure=curve.exhaust_pressure[column],
+                method="cubic",
+            )
+        except InputError as error:
+            raise InputError(f"load: {name_fields(error)}") from None
+    return tuple(made[full] for full in full_load)
 
 
 def _boosted(at_full: float, ambient: float, boost: FloatArray) -> FloatArray:
@@ -861,19 +851,6 @@ def _between(speeds: FloatArray, points: LoadPoints, values: FloatArray) -> Floa
     known = points.speeds
     inside = np.clip(speeds, known[0], known[-1])  # by round-off only
     return np.asarray(PchipInterpolator(known, values)(inside), dtype=np.float64)
-
-
-def _check_within(speeds: FloatArray, known: FloatArray) -> None:
-    outside = (speeds < known[0] * (1.0 - SAME)) | (speeds > known[-1] * (1.0 + SAME))
-    if np.any(outside):
-        outer, low, high = (
-            format_quantity(float(speed), "rad/s", 5)
-            for speed in (speeds[outside][0], known[0], known[-1])
-        )
-        raise InputError(
-            f"load.points: given none for {outer}; allowed are speeds from {low} to {high}, because nothing "
-            "is extrapolated beyond the points."
-        )
 
 
 def load_speeds(

@@ -284,7 +284,19 @@ def plot_run(
     steady : (speeds [rad/s], amplitudes in SI) or None
         At constant speeds, ascending, drawn where the run passes these speeds.
     """
-    known = None if steady is None else _checked_steady(steady)
+    if steady is not None and (not isinstance(steady, tuple | list) or len(steady) != 2):
+        raise InputError(
+            f"steady: given {steady!r}; allowed is a pair of speeds and amplitudes, because these are drawn "
+            "over the speeds of the run."
+        )
+    known = [finite_array("steady", values) for values in steady or ()]
+    if known and (
+        known[0].ndim != 1 or known[0].shape != known[1].shape or np.any(np.diff(known[0]) <= 0.0)
+    ):
+        raise InputError(
+            f"steady: given arrays of shapes {known[0].shape} and {known[1].shape}; allowed are ascending "
+            "speeds and an amplitude for each, because they are drawn over the speeds of the run."
+        )
     axes = new_axes(axes)
     # The extremes in columns, few enough for a small file.
     columns = min(COLUMNS, time.size)
@@ -295,9 +307,9 @@ def plot_run(
     middles, amplitude, turns = windows
     label = f"amplitude over {'each turn' if turns == 1 else f'{turns} turns'}"
     axes.plot(middles, curve.factor * amplitude, color=BLUE, linewidth=1.6, label=label)
-    if known is not None:
+    if known:
         # Not a number outside of what is known: a gap.
-        steadily = curve.factor * np.interp(speed, *known, left=np.nan, right=np.nan)
+        steadily = curve.factor * np.interp(speed, known[0], known[1], left=np.nan, right=np.nan)
         label = "steady amplitude at this speed"
         axes.plot(time, steadily, color=ORANGE, linestyle="--", linewidth=1.3, label=label)
     axes.set_xlim(time[0], time[-1])
@@ -315,22 +327,6 @@ def draw_speed(axes: Axes, time: FloatArray, speed: FloatArray) -> None:
     axes.set_ylabel("speed [1/min]")
     axes.set_xlabel("time [s]")
     axes.set_xlim(time[0], time[-1])
-
-
-def _checked_steady(steady: tuple[ArrayLike, ArrayLike]) -> tuple[FloatArray, FloatArray]:
-    """Return ascending speeds [rad/s] and the steady amplitudes at them."""
-    if not isinstance(steady, tuple | list) or len(steady) != 2:
-        raise InputError(
-            f"steady: given {steady!r}; allowed is a pair of speeds and amplitudes, because these are drawn "
-            "over the speeds of the run."
-        )
-    known, amplitude = (finite_array("steady", values) for values in steady)
-    if known.ndim != 1 or known.shape != amplitude.shape or np.any(np.diff(known) <= 0.0):
-        raise InputError(
-            f"steady: given arrays of shapes {known.shape} and {amplitude.shape}; allowed are ascending "
-            "speeds and an amplitude for each, because they are drawn over the speeds of the run."
-        )
-    return known, amplitude
 
 
 BARRED, OUTSIDE = "#f6dcd9", "#ececec"

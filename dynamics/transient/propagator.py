@@ -246,29 +246,24 @@ def viscous_system(
                 f"loss_frequency: given {frequency:g} rad/s; allowed is none with loss_as='modal', "
                 "because there each mode takes its own frequency."
             )
-    replaced, note = _without_loss(system, loss_as, frequency)
+    replaced, note = system, ""
+    if np.any(system.loss):
+        count = system.rigid.shape[1]
+        replaced = replace(system, loss=np.zeros_like(system.loss))
+        natural, shapes = system.natural[count:], system.shapes[:, count:]
+        if loss_as == "modal":
+            losses = np.sum(shapes * (system.loss @ shapes), axis=0) / natural**2
+            note = "Loss factors as modal damping, half the loss factor of each mode."
+            replaced = replaced.with_modal_damping(0.5 * losses)
+        else:
+            right_at = float(natural[0]) if frequency is None else frequency
+            which = ", that of the lowest elastic mode" if frequency is None else ""
+            note = (
+                "Loss factors as viscous damping of the elements, equal at "
+                f"{right_at / (2.0 * np.pi):.6g} Hz{which}."
+            )
+            replaced = replace(replaced, damping=system.damping + system.loss / right_at)
     return ViscousSystem(replaced.with_added_damping(magnifier, modal_damping), chain, note)
-
-
-def _without_loss(
-    system: LinearSystem, loss_as: LossAs, frequency: float | None
-) -> tuple[LinearSystem, str]:
-    if not np.any(system.loss):
-        return system, ""
-    count = system.rigid.shape[1]
-    plain = replace(system, loss=np.zeros_like(system.loss))
-    natural, shapes = system.natural[count:], system.shapes[:, count:]
-    if loss_as == "modal":
-        losses = np.sum(shapes * (system.loss @ shapes), axis=0) / natural**2
-        note = "Loss factors as modal damping, half the loss factor of each mode."
-        return plain.with_modal_damping(0.5 * losses), note
-    right_at = float(natural[0]) if frequency is None else frequency
-    which = ", that of the lowest elastic mode" if frequency is None else ""
-    note = (
-        f"Loss factors as viscous damping of the elements, equal at {right_at / (2.0 * np.pi):.6g} Hz"
-        f"{which}."
-    )
-    return replace(plain, damping=plain.damping + system.loss / right_at), note
 
 
 # [share] By which an angle may miss the ends of a curve.

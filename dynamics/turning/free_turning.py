@@ -107,24 +107,23 @@ def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCur
         c = n + 2: s of each piston pin [m]; inertia reduced to the shaft [kg m^2]; sum of masses
         times heights [kg m], which determines the work of gravity.
     """
-    return turn_curves(functools.partial(_engine_samples, engine, models))
 
+    def samples(angles: FloatArray) -> FloatArray:
+        places = []
+        height = np.zeros(angles.shape)
+        pairs = zip(engine.cylinders, models, strict=True)
+        for number, (cylinder, model) in enumerate(pairs, start=1):
+            motion = parts_motion(engine, number, angles)
+            upwards = np.exp(1j * math.radians(cylinder.bank_angle_deg))
+            places.append(motion.piston.place.real)
+            height += cylinder.piston_mass * (upwards * motion.piston.place).real
+            height += model.mass * (upwards * motion.rod_point(model.center).place).real
+        for mass in engine.rotating:
+            height += mass.static_moment * np.cos(math.radians(mass.angle_deg) + angles)
+        inertia, _ = reduced_inertia(engine, models, shaft_angles_deg=np.degrees(angles))
+        return np.array([*places, inertia, height])
 
-def _engine_samples(
-    engine: EngineLayout, models: tuple[RodModel, ...], angles: FloatArray
-) -> FloatArray:
-    places = []
-    height = np.zeros(angles.shape)
-    for number, (cylinder, model) in enumerate(zip(engine.cylinders, models, strict=True), start=1):
-        motion = parts_motion(engine, number, angles)
-        upwards = np.exp(1j * math.radians(cylinder.bank_angle_deg))
-        places.append(motion.piston.place.real)
-        height += cylinder.piston_mass * (upwards * motion.piston.place).real
-        height += model.mass * (upwards * motion.rod_point(model.center).place).real
-    for mass in engine.rotating:
-        height += mass.static_moment * np.cos(math.radians(mass.angle_deg) + angles)
-    inertia, _ = reduced_inertia(engine, models, shaft_angles_deg=np.degrees(angles))
-    return np.array([*places, inertia, height])
+    return turn_curves(samples)
 
 
 # Force on a piston towards the shaft [N]: of the cylinder's number, the piston's place (0 lowest to
@@ -501,7 +500,16 @@ def turn_freely(
     if speed * end > 2.0 * math.pi * UNSTOPPED * MOST_TURNS:
         raise too_many_turns("duration", end, speed * end / (2.0 * math.pi))
     moments = shaft_moments(engine, gas, load, friction, gravity, model, crankcase_pressure)
-    shown = _output_times(times, samples, end)
+    if times is None:
+        count = whole_number("samples", samples, 2, "start and end are included")
+        shown = np.linspace(0.0, end, count)
+    else:
+        shown = finite_vector("times", times)
+        if shown.size == 0 or shown[0] < 0.0 or shown[-1] > end or np.any(np.diff(shown) <= 0.0):
+            raise InputError(
+                f"times: given {shown.size} of them; allowed are times that ascend from 0 s or later to "
+                f"the duration of {end:g} s or less, because the motion is known there."
+            )
     states, stop_time = _integrated(moments, (first, speed), end, shown)
     return _assembled(moments, shown, states, stop_time)
 
@@ -525,9 +533,12 @@ def _integrated(
     ends = moments.stroke_ends() if moments.gas.turns_at_ends else np.zeros(0)
     kept = [state[:, np.newaxis][:, : int(shown[0] == 0.0)]]
     while True:
-        angle = float(state[0])
-        limit = _next_end(ends, angle)
-        ways = moments.directions(0.5 * (angle + min(limit, angle + 2.0 * math.pi)))
+        angle, turn, limit = float(state[0]), 2.0 * math.pi, math.inf
+        if ends.size:
+            ahead = (ends - angle) % turn
+            ahead = np.where(ahead < PASSED, ahead + turn, ahead)
+            limit = angle + float(np.min(np.where(ahead > turn - PASSED, turn, ahead)))
+        ways = moments.directions(0.5 * (angle + min(limit, angle + turn)))
         stroke = strokes.from_state(time, state, limit, ways)
         reached = float(stroke.t[-1])
         asked = shown[(shown > time) & (shown <= reached)]  # the next stroke begins after its end
@@ -543,16 +554,6 @@ def _integrated(
             return np.column_stack(kept), None
         time, state = reached, np.array(stroke.y_events[1][0])
         state[0] = limit
-
-
-def _next_end(ends: FloatArray, angle: float) -> float:
-    """Return the next angle at which a stroke ends, infinity if strokes do not matter."""
-    if ends.size == 0:
-        return math.inf
-    turn = 2.0 * math.pi
-    ahead = (ends - angle) % turn
-    ahead = np.where(ahead < PASSED, ahead + turn, ahead)
-    return angle + float(np.min(np.where(ahead > turn - PASSED, turn, ahead)))
 
 
 @dataclass(frozen=True)
@@ -627,7 +628,13 @@ def _assembled(
     time, remark = shown, ""
     if stop_time is not None:
         time = np.append(shown[: angle.size - 1], stop_time)
-        remark = _stop_remark(stop_time, float(angle[-1]))
+        place = f"at a shaft angle of {math.degrees(angle[-1]):.6g} deg"
+        remark = (
+            f"The engine stops after {stop_time:.6g} s {place}, because what brakes it outweighs what "
+            "drives it."
+        )
+        if stop_time == 0.0:
+            remark = f"The engine does not start {place}, because nothing drives it enough."
     at_times = [moments.at(*place) for place in zip(angle.tolist(), speed.tolist(), strict=True)]
     shares = np.array([each for each, _, _ in at_times]).T
     inertia, inertia_slope = np.array([rest for _, *rest in at_times]).T
@@ -642,27 +649,6 @@ def _assembled(
         **dict(zip(SHARES, accounts, strict=True)),
         remark=remark,
     )
-
-
-def _stop_remark(time: float, angle: float) -> str:
-    place = f"at a shaft angle of {math.degrees(angle):.6g} deg"
-    if time == 0.0:
-        return f"The engine does not start {place}, because nothing drives it enough."
-    return f"The engine stops after {time:.6g} s {place}, because what brakes it outweighs what drives it."
-
-
-def _output_times(times: ArrayLike | None, samples: int, end: float) -> FloatArray:
-    if times is None:
-        return np.linspace(
-            0.0, end, whole_number("samples", samples, 2, "start and end are included")
-        )
-    asked = finite_vector("times", times)
-    if asked.size == 0 or asked[0] < 0.0 or asked[-1] > end or np.any(np.diff(asked) <= 0.0):
-        raise InputError(
-            f"times: given {asked.size} of them; allowed are times that ascend from 0 s or later to "
-            f"the duration of {end:g} s or less, because the motion is known there."
-        )
-    return asked
 
 
 def turn_steadily(
