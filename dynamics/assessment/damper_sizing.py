@@ -177,7 +177,24 @@ def _minimum_usage(
         best = np.array([least_at])
     else:
         steps = 0.5 * np.diag([axis[1] - axis[0] for axis in axes])
-        best = _nelder_mead(at, np.vstack((first, first + steps)), ends[free])
+        simplex = np.vstack((first, first + steps))
+
+        def objective(x: FloatArray, /) -> float:
+            return finite(at(x))
+
+        minimum = minimize(
+            objective,
+            simplex[0].copy(),
+            method="Nelder-Mead",
+            bounds=ends[free].tolist(),
+            options={
+                "initial_simplex": np.clip(simplex, *ends[free].T),
+                "xatol": CLOSE,
+                "fatol": 0.1 * CLOSE,
+                "maxfev": MOST_TRIALS,
+            },
+        )
+        best = np.asarray(minimum.x, dtype=np.float64)
     value = at(best)
     return (placed(best), value) if value <= least else (placed(first), least)
 
@@ -190,28 +207,6 @@ def _brent(used: Callable[[float], float], low: float, high: float) -> float:
         options={"xatol": CLOSE},
     )
     return float(minimum.x)
-
-
-def _nelder_mead(
-    used: Callable[[FloatArray], float], simplex: FloatArray, ends: FloatArray
-) -> FloatArray:
-    def objective(x: FloatArray, /) -> float:
-        return finite(used(x))
-
-    start: FloatArray = np.array(simplex[0], dtype=np.float64)
-    minimum = minimize(
-        objective,
-        start,
-        method="Nelder-Mead",
-        bounds=[(float(low), float(high)) for low, high in ends],
-        options={
-            "initial_simplex": np.clip(simplex, ends[:, 0], ends[:, 1]),
-            "xatol": CLOSE,
-            "fatol": 0.1 * CLOSE,
-            "maxfev": MOST_TRIALS,
-        },
-    )
-    return np.asarray(minimum.x, dtype=np.float64)
 
 
 Damper = TorsionalDamper | AxialDamper

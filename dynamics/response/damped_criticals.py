@@ -429,11 +429,12 @@ class _Vibration:
         # Speeds about each order's resonances; at all of them together the system is solved once.
         # With a stiffness that varies, peaks are elsewhere than at the constant one.
         even = np.linspace(*ends, VARYING * known.size if self.response.system.varying else 0)
-        added = [
-            np.setdiff1d(np.append(speeds_about(crossings, ratios, ends), even), known)
-            for order in self.response.orders
-            for crossings in [meetings(frequencies, np.array([order]), *ends)]
-        ]
+        added = []
+        for order in self.response.orders:
+            about_peaks = speeds_about(
+                meetings(frequencies, np.array([order]), *ends), ratios, ends
+            )
+            added.append(np.setdiff1d(np.append(about_peaks, even), known))
         counts = [speeds.size for speeds in added]
         about = np.repeat(np.arange(len(added)), counts), np.concatenate(added)
         splits = np.cumsum(counts)[:-1]

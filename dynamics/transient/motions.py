@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, TypeAlias, Unpack
@@ -883,27 +883,23 @@ def _integrate_segments(
     complete = False
     propagator = Propagator.of(space, pieces[0].step)
     with contextlib.suppress(KeyboardInterrupt):
-        for step, starts in _step_blocks(pieces):
+        for piece in pieces:
+            step = piece.step
             if abs(step - propagator.step) > SAME_STEP * step:
                 propagator = Propagator.of(space, step)
-            forces = acting.at(starts, step, PLACES)
-            places = slice(done, done + starts.size)
-            states[places] = propagator.propagate(states[done - 1], forces)
-            times[places] = starts + step
-            missed, chosen = midpoint_residual(forces)
-            true = acting.at(starts[chosen], step, np.array([0.5]))[:, 0]
-            largest = np.maximum(largest, np.max(np.abs(forces), axis=(0, 1)))
-            error = max(error, float(np.max(np.abs(missed - true) / largest)))
-            done += starts.size
-            if progress is not None:
-                progress((done - 1) / (count - 1))
+            for first in range(0, piece.steps, STRETCH):
+                numbers = np.arange(first, min(first + STRETCH, piece.steps))
+                starts: FloatArray = np.asarray(piece.start + step * numbers)
+                forces = acting.at(starts, step, PLACES)
+                places = slice(done, done + starts.size)
+                states[places] = propagator.propagate(states[done - 1], forces)
+                times[places] = starts + step
+                missed, chosen = midpoint_residual(forces)
+                true = acting.at(starts[chosen], step, np.array([0.5]))[:, 0]
+                largest = np.maximum(largest, np.max(np.abs(forces), axis=(0, 1)))
+                error = max(error, float(np.max(np.abs(missed - true) / largest)))
+                done += starts.size
+                if progress is not None:
+                    progress((done - 1) / (count - 1))
         complete = True
     return times[:done], states[:done], error, complete
-
-
-def _step_blocks(pieces: Sequence[TimeSegment]) -> Iterator[tuple[float, FloatArray]]:
-    """Yield the length of steps and their starts, so many at a time."""
-    for piece in pieces:
-        for first in range(0, piece.steps, STRETCH):
-            numbers = np.arange(first, min(first + STRETCH, piece.steps))
-            yield piece.step, np.asarray(piece.start + piece.step * numbers)

@@ -932,9 +932,9 @@ def turn_under_gas(
         the load is not a finite moment.
     """
     speed = positive_number("start_speed", start_speed, "rad/s", "the shaft turns forward")
-    end = run_time("duration", duration)
+    end = run_time(duration)
     if speed * end > 2.0 * np.pi * MOST_TURNS:
-        raise too_many_turns("duration", end, speed * end / (2.0 * np.pi))
+        raise too_many_turns(end, speed * end / (2.0 * np.pi))
     samples = whole_number("samples_per_turn", samples_per_turn, 4, "they show the motion")
     check_method(method)
     braking = _checked_load(load)
@@ -952,7 +952,7 @@ def turn_under_gas(
             time = begins
             while time < last and not stopped:
                 if len(done) > MOST_TURNS:
-                    raise too_many_turns("duration", end, MOST_TURNS)
+                    raise too_many_turns(end, MOST_TURNS)
                 until, passed, rows, stopped = _turn(state, time, last, now, method, samples)
                 done.append((passed, rows))
                 time, now = until, rows[-1]

@@ -495,10 +495,10 @@ def turn_freely(
     """
     first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
     speed = nonnegative_number("start_speed", start_speed, "rad/s", "the engine turns forward")
-    end = run_time("duration", duration)
+    end = run_time(duration)
     # It may stop long before; but no friction stops it from there.
     if speed * end > 2.0 * math.pi * UNSTOPPED * MOST_TURNS:
-        raise too_many_turns("duration", end, speed * end / (2.0 * math.pi))
+        raise too_many_turns(end, speed * end / (2.0 * math.pi))
     moments = shaft_moments(engine, gas, load, friction, gravity, model, crankcase_pressure)
     if times is None:
         count = whole_number("samples", samples, 2, "start and end are included")
@@ -588,7 +588,7 @@ class _Strokes:
             self.evaluated(now)
             angle, speed = float(state[0]), float(state[1])
             if not angle <= self.last_angle:
-                raise too_many_turns("duration", self.end, MOST_TURNS)
+                raise too_many_turns(self.end, MOST_TURNS)
             shares, inertia, inertia_slope = self.moments.at(angle, speed, directions)
             acceleration = (math.fsum(shares) - 0.5 * inertia_slope * speed**2) / inertia
             return [speed, acceleration, *(share * speed for share in shares)]

@@ -24,23 +24,23 @@ LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
 MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
 
 
-def run_time(field: str, value: float) -> float:
+def run_time(duration: float) -> float:
     """Return the duration of a motion [s], checked."""
-    time = positive_number(field, value, "s", "time runs forward")
+    time = positive_number("duration", duration, "s", "time runs forward")
     if time > LONGEST_RUN:
         raise InputError(
-            f"{field}: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
+            f"duration: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
             "followed turn by turn."
         )
     return time
 
 
-def turns_followed(field: str, turns: float) -> float:
+def turns_followed(turns: float) -> float:
     """Return a number of revolutions of a motion, checked."""
-    number = positive_number(field, turns, "", "the shaft turns forward")
+    number = positive_number("turns", turns, "", "the shaft turns forward")
     if number > MOST_TURNS:
         raise InputError(
-            f"{field}: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
+            f"turns: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
             "itself."
         )
     return number
@@ -72,10 +72,10 @@ def work_counter(field: str, reach: float, unit: str, most: int) -> Callable[[fl
     return evaluation_counter(refusal, most)
 
 
-def too_many_turns(field: str, time: float, turns: float) -> InputError:
+def too_many_turns(time: float, turns: float) -> InputError:
     """Return the error for a duration with too many revolutions of the shaft."""
     return InputError(
-        f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
+        f"duration: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
         f"{MOST_TURNS} turns, because each is followed by itself."
     )
 
@@ -329,7 +329,7 @@ def speed_over_angle(
     """
     first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
     speed = positive_number("start_speed", start_speed, "rad/s", "the angle must grow")
-    length = 2.0 * math.pi * turns_followed("turns", turns)
+    length = 2.0 * math.pi * turns_followed(turns)
     per_turn = whole_number(
         "samples", samples, 1, "results are given at this many angles per revolution"
     )
@@ -527,7 +527,7 @@ def steady_turning(
     from scipy.optimize import fsolve
 
     wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
-    period = 2.0 * math.pi * turns_followed("turns", turns)
+    period = 2.0 * math.pi * turns_followed(turns)
     first = math.radians(float(finite_array("start_angle_deg", start_angle_deg)))
     shown = whole_number(
         "samples", samples, 1, "results are given at this many angles per revolution"
