@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from crankbase.errors import InputError
@@ -164,24 +164,8 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
     for name, throw in throws.items():
         section = name if name == PLAIN else f"throws.{name}"
         yield from _sharp_corners(section, throw)
-        parts: list[tuple[str, object, Mapping[str, str]]] = [
-            (section, throw, OF_THROW),
-            (f"{section}.left_web", throw.left_web, OF_WEB),
-            (f"{section}.right_web", throw.right_web, OF_WEB),
-        ]
-        for place, pin in enumerate(throw.further_pins):
-            parts.append((f"{section}.further_pins[{place}]", pin, OF_PIN))
-        yield from _out_of_proportion(
-            section,
-            throw,
-            [
-                (f"{path}.{field}", value, ratio)
-                for path, part, known in parts
-                for field, ratio in known.items()
-                if (value := getattr(part, field, None))
-            ],
-        )
-        for path, part, _ in parts[:3]:
+        yield from _out_of_proportion(section, throw)[0]
+        for path, part, _ in _parts(section, throw)[:3]:
             if (weight := getattr(part, "counterweight", None)) is not None:
                 yield from WEIGHT_ANGLE.warning_of(
                     f"{path}.counterweight.angle", weight.angle, "rad", math.degrees(weight.angle)
@@ -215,10 +199,30 @@ def _sharp_corners(section: str, throw: CrankThrow) -> Iterator[str]:
     )
 
 
-def _out_of_proportion(
-    section: str, throw: CrankThrow, sizes: Sequence[tuple[str, float, str]]
-) -> Iterator[str]:
-    """Name the sizes far out of proportion, or the main journal's where another one would suit them all."""
+def _parts(section: str, throw: CrankThrow) -> list[tuple[str, object, Mapping[str, str]]]:
+    """Return the throw and its parts, the throw and its webs first, each with its path and its ratios."""
+    return [
+        (section, throw, OF_THROW),
+        (f"{section}.left_web", throw.left_web, OF_WEB),
+        (f"{section}.right_web", throw.right_web, OF_WEB),
+        *(
+            (f"{section}.further_pins[{place}]", pin, OF_PIN)
+            for place, pin in enumerate(throw.further_pins)
+        ),
+    ]
+
+
+def _out_of_proportion(section: str, throw: CrankThrow) -> tuple[list[str], bool]:
+    """Name the sizes far out of proportion, or the main journal's where another one would suit them all.
+
+    Also return whether it is the main journal's.
+    """
+    sizes = [
+        (f"{path}.{field}", value, ratio)
+        for path, part, known in _parts(section, throw)
+        for field, ratio in known.items()
+        if (value := getattr(part, field, None))
+    ]
     remarks: list[str] = []
     journal, low, high = throw.main_journal_diameter, 0.0, math.inf
     for field, value, ratio in sizes:
@@ -230,20 +234,20 @@ def _out_of_proportion(
             low = max(low, value / (usual.high * usual.margin))
             high = min(high, value * usual.margin / usual.low if usual.low > 0.0 else math.inf)
         remarks += usual.warning_of(field, value, "m", value / getattr(throw, by))
-    if len(remarks) > 1 and low <= high and not low <= journal <= high:
+    wrong_journal = len(remarks) > 1 and low <= high and not low <= journal <= high
+    if wrong_journal:
         suiting = " to ".join(amount(end, "m", 3) for end in (low, high))
         remarks = [
             f"{section}.main_journal_diameter: given {amount(journal, 'm')}, with which "
             f"{len(remarks)} other dimensions of the throw are out of proportion; all of them suit {suiting} "
             f"({LAW})"
         ]
-    yield from remarks
+    return remarks, wrong_journal
 
 
 def size_warnings(file: EngineFile) -> Iterator[str]:
     """Name the sizes of an engine that are far outside of practice, its throws included."""
-    of_throws = list(throw_warnings(file.named_throws))
-    yield from of_throws
+    yield from throw_warnings(file.named_throws)
     engine, throw, bore = file.engine, file.crank_throws[0], file.engine.bore
 
     def warn(field: str, value: float, unit: str, usual: UsualRange, ratio: float) -> Iterator[str]:
@@ -251,7 +255,9 @@ def size_warnings(file: EngineFile) -> Iterator[str]:
 
     journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
     # A journal that is wrong against the throw is not told again against other parts.
-    wrong_journal = any(".main_journal_diameter: " in sentence for sentence in of_throws)
+    wrong_journal = any(
+        _out_of_proportion(name, each)[1] for name, each in file.named_throws.items()
+    )
     if file.thrust_bearing is not None and not wrong_journal:
         stiffness = file.thrust_bearing.stiffness
         yield from warn(
