@@ -232,14 +232,11 @@ def _of_damping(engine: EngineFile) -> Iterable[InputRecord]:
             name == "torsional" and damped
         ):
             continue
-        where = " (whole crankshaft only)" if _whole_only(engine, name) else ""
+        of_chain = name == "axial" or (
+            name == "torsional" and not (damping is not None and damping.damps_torsion)
+        )
+        where = "" if of_chain else " (whole crankshaft only)"
         yield _assumed(f"damping.{field}", f"{DEFAULT_MAGNIFIER:g}", f"{MAGNIFIER_SOURCE}{where}")
-
-
-def _whole_only(engine: EngineFile, name: str) -> bool:
-    if name == "bending":
-        return True
-    return name == "torsional" and engine.damping is not None and engine.damping.damps_torsion
 
 
 def _of_limits(engine: EngineFile) -> Iterable[InputRecord]:

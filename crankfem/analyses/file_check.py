@@ -20,7 +20,7 @@ from crankfem.analyses.study.response_fits import check_study_can_be_fitted
 from crankfem.analyses.throw.law_record import law_results
 from crankfem.analyses.vibration.engine_excitation import refuse_forced_vibration
 from crankfem.analyses.vibration.engine_limits import engine_limits, rule_reason
-from crankfem.files.chain.chain_file import ChainFile, load_chain
+from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.throw_file import ThrowFile, load_study
@@ -54,20 +54,18 @@ def refuse_what_cannot_run(engine_file: EngineFile, content: TomlFile | None = N
     """
     with nullcontext() if content is None else content.with_lines():
         refuse_forced_vibration(engine_file)
-        _refuse_study(engine_file)
+        # A saved model stands for a study that cannot give what is wanted of it.
+        if engine_file.vibration.model is None and engine_file.study is not None:
+            check_study_can_be_fitted(engine_file.study.planned)
+            reason = outside_study(engine_file.study)
+            for kind in chosen_regressions(engine_file.vibration) if reason else ():
+                raise refused(
+                    engine_file,
+                    kind,
+                    f"does not apply to the throw that its study varies: {reason}",
+                )
         if engine_file.torque_table is not None:
             _ = read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)
-
-
-def _refuse_study(engine_file: EngineFile) -> None:
-    """Refuse a study that cannot give what is wanted of it, unless a saved model stands for it."""
-    if engine_file.vibration.model is None and engine_file.study is not None:
-        check_study_can_be_fitted(engine_file.study.planned)
-        reason = outside_study(engine_file.study)
-        for kind in chosen_regressions(engine_file.vibration) if reason else ():
-            raise refused(
-                engine_file, kind, f"does not apply to the throw that its study varies: {reason}"
-            )
 
 
 THROW_COMMANDS = ("throw", "stress", "formulas", "draw", "export")
@@ -183,9 +181,33 @@ def check_file(file: str | TomlFile) -> CheckedFile:
 
 def _checked(file: str | TomlFile, content: TomlFile | None) -> CheckedFile:
     if content is None or file_kind(content) == "chain":
-        return _chain(load_chain(content or file))
+        chain_file = load_chain(content or file)
+        chain = chain_file.chain
+        return CheckedFile(
+            chain_file.path,
+            "chain",
+            chain_file.name,
+            ("chain",),
+            ("vibration",),
+            chain_file.records,
+            remarks=(
+                f"a {chain_file.kind} chain of {len(chain.names)} nodes and {len(chain.elements)} "
+                f"elements, from {chain.names[0]} to {chain.names[-1]}",
+                *chain_file.printed,
+            ),
+        )
     if file_kind(content) in satellite_files():
-        return _of_satellite(content)
+        files = satellite_files()[file_kind(content)]
+        satellite_file = at_place(files.reader)(content)
+        sections = tuple(name for name in at_place(files.sections) if name in content.sections)
+        return CheckedFile(
+            satellite_file.path,
+            files.kind,
+            satellite_file.name,
+            sections,
+            (files.command,),
+            satellite_file.records,
+        )
     read = load_any(content)
     of_study: tuple[str, ...] = ()
     if "study" in content.sections:
@@ -220,7 +242,18 @@ def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
         return {"shape": None, "dimensions": None}
     return {
         "shape": throw_shape(throw),
-        "dimensions": _dimensions(throw),
+        "dimensions": [
+            Dimension(
+                name,
+                field_extra(info, "symbol") or "",
+                info.description or "",
+                getattr(throw, name),
+            )
+            for name, info in type(throw).model_fields.items()
+            if field_extra(info, "unit") == "m"
+            and isinstance(getattr(throw, name), float)
+            and not (field_extra(info, "feature") and getattr(throw, name) == 0.0)
+        ],
         "law": law_results(throw, material),
     }
 
@@ -228,43 +261,6 @@ def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
 def throw_shape(throw: CrankThrow) -> Shape:
     """Return what follows from the dimensions."""
     return made_from(throw, Shape, pins=len(throw.parts.pins), solved_part=throw.symmetry)
-
-
-def _dimensions(throw: CrankThrow) -> list[Dimension]:
-    """The dimensions as understood, if given."""
-    return [
-        Dimension(
-            name, field_extra(info, "symbol") or "", info.description or "", getattr(throw, name)
-        )
-        for name, info in type(throw).model_fields.items()
-        if field_extra(info, "unit") == "m"
-        and isinstance(getattr(throw, name), float)
-        and not (field_extra(info, "feature") and getattr(throw, name) == 0.0)
-    ]
-
-
-def _of_satellite(content: TomlFile) -> CheckedFile:
-    files = satellite_files()[file_kind(content)]
-    read = at_place(files.reader)(content)
-    sections = tuple(name for name in at_place(files.sections) if name in content.sections)
-    return CheckedFile(read.path, files.kind, read.name, sections, (files.command,), read.records)
-
-
-def _chain(read: ChainFile) -> CheckedFile:
-    chain = read.chain
-    return CheckedFile(
-        read.path,
-        "chain",
-        read.name,
-        ("chain",),
-        ("vibration",),
-        read.records,
-        remarks=(
-            f"a {read.kind} chain of {len(chain.names)} nodes and {len(chain.elements)} elements, from "
-            f"{chain.names[0]} to {chain.names[-1]}",
-            *read.printed,
-        ),
-    )
 
 
 def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
@@ -297,6 +293,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
 def _mechanism(read: EngineFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if "study" in content.sections else ()
     gas = (_without_gas(),) if read.power is None else _power(read)
+    names = content.sections.get("shaft", {}).get("throws", ())
     return CheckedFile(
         read.path,
         "mechanism",
@@ -308,7 +305,7 @@ def _mechanism(read: EngineFile, content: TomlFile) -> CheckedFile:
         _arrangement(read.engine),
         (*read.remarks, *gas, *_of_tables(read)),
         input_warnings(read),
-        _in_mechanism(read, content),
+        dict(zip(names, read.crank_throws, strict=False)),
         read.material,
     )
 
@@ -318,16 +315,16 @@ def _lookup(throw: CrankThrow, material: Material) -> tuple[str, ...]:
     return () if law_results(throw, material).answers is None else ("lookup",)
 
 
-def _in_mechanism(read: EngineFile, content: TomlFile) -> dict[str, CrankThrow]:
-    """The throws of a mechanism by name."""
-    names = content.sections.get("shaft", {}).get("throws", ())
-    return dict(zip(names, read.crank_throws, strict=False))
-
-
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     refuse_what_cannot_run(read, content)
     study = ("doe",) if read.study is not None else ()
-    remarks = [_thrust_bearing(read), *read.remarks, *_power(read), *_of_tables(read)]
+    place, count = read.required(ThrustBearing).main_bearing, len(read.throw_angles_deg) + 1
+    remarks = [
+        f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end",
+        *read.remarks,
+        *_power(read),
+        *_of_tables(read),
+    ]
     if read.torque_table is not None:
         torque = read_torque_table(read.torque_table, strokes=read.engine.strokes)
         remarks += [f"torque.table: {remark}" for remark in torque.remarks]
@@ -396,12 +393,6 @@ def excluded_designs(planned: PlannedStudy) -> tuple[str, ...]:
         f"study: {len(excluded)} of {len(excluded) + runs} designs are excluded; reason for the first: "
         f"{excluded[0].reason.rstrip('.')}",
     )
-
-
-def _thrust_bearing(read: EngineFile) -> str:
-    """State which bearing is meant."""
-    place, count = read.required(ThrustBearing).main_bearing, len(read.throw_angles_deg) + 1
-    return f"thrust bearing at main bearing {place} of {count}, counted from 1 at the free end"
 
 
 def _power(read: EngineFile) -> tuple[str, ...]:

@@ -103,7 +103,14 @@ def repetition(
 
 def used_files(files: Sequence[InputFile]) -> tuple[UsedFile, ...]:
     """Read the files of a run, the engine file first, in their present state."""
-    return tuple(_used_file(file, _relative_name(files[0].path, file.path)) for file in files)
+    used = []
+    for file in files:
+        content = file.content(LARGEST_TABLE_FILE, "an input file")
+        text = content.decode("utf-8", errors="replace")
+        quoted = text if len(text) <= LONGEST_QUOTED else None
+        name = _relative_name(files[0].path, file.path)
+        used.append(UsedFile(name, hashlib.sha256(content).hexdigest(), quoted))
+    return tuple(used)
 
 
 def run_command(name: str) -> str:
@@ -124,13 +131,6 @@ def _relative_name(engine_file: Path, path: Path) -> str:
         if path.absolute().is_relative_to(folder.absolute()):
             return path.absolute().relative_to(folder.absolute()).as_posix()
     return path.as_posix()
-
-
-def _used_file(file: InputFile, name: str) -> UsedFile:
-    content = file.content(LARGEST_TABLE_FILE, "an input file")
-    text = content.decode("utf-8", errors="replace")
-    quoted = text if len(text) <= LONGEST_QUOTED else None
-    return UsedFile(name, hashlib.sha256(content).hexdigest(), quoted)
 
 
 def _installed(name: str) -> str | None:

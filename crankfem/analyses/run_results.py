@@ -191,15 +191,44 @@ def run_checks(
     tuple of Check
         In the order in which a report shows them.
     """
-    return (
-        *throw_checks(results.throw, length, pin_center),
-        *_angle_checks(results.formulas, results.throw),
-        *_fillet_checks(results.fillets),
-        *_study_checks(results.study),
-        *_mechanism_checks(results.mechanism),
-        *_power_checks(results.vibration),
-        *_chain_checks(results.vibration.whole_crankshaft),
-    )
+    checks = throw_checks(results.throw, length, pin_center)
+    by_elements, fillets, mechanism = results.formulas.fe, results.fillets, results.mechanism
+    if by_elements is not None and by_elements.angle_law is not None:
+        pinned = results.throw.supports["pinned"].axial
+        checks.append(
+            _check(
+                "Opposite neighbors compared with pinned ends",
+                by_elements.axial_rigid_sections / pinned - 1.0,
+                "With equal webs and rigid sections, a throw between opposite cranks tilts as freely as "
+                "one with pinned ends, so both compliances must agree as far as the webs are equal.",
+                # What the angle law takes for equal webs.
+                allowed=SYMMETRIC,
+            )
+        )
+    if fillets is not None:
+        checks.append(
+            _check(
+                "Error of the fillet stresses",
+                fillets.error_estimate,
+                "Largest estimate from successive meshes.",
+                shown_unit="%",
+                allowed=fillets.accuracy,
+                met=fillets.accuracy_met,
+            )
+        )
+    checks += _study_checks(results.study)
+    if mechanism is not None:
+        checks.append(
+            _check(
+                "Energy of the crank mechanism",
+                abs(mechanism.energy_error),
+                "Difference between the work of the torque over a cycle and the work of the gas, relative "
+                "to the work exchanged.",
+                allowed=LARGEST_ENERGY_ERROR,
+            )
+        )
+    checks += _power_checks(results.vibration)
+    return (*checks, *_chain_checks(results.vibration.whole_crankshaft))
 
 
 def _check(
@@ -284,37 +313,6 @@ def throw_checks(throw: ThrowResults, length: float, pin_center: Sequence[float]
     ]
 
 
-def _angle_checks(formulas: Formulas, throw: ThrowResults) -> list[Check]:
-    if formulas.fe is None or formulas.fe.angle_law is None:
-        return []
-    pinned = throw.supports["pinned"].axial
-    return [
-        _check(
-            "Opposite neighbors compared with pinned ends",
-            formulas.fe.axial_rigid_sections / pinned - 1.0,
-            "With equal webs and rigid sections, a throw between opposite cranks tilts as freely as one "
-            "with pinned ends, so both compliances must agree as far as the webs are equal.",
-            # What the angle law takes for equal webs.
-            allowed=SYMMETRIC,
-        )
-    ]
-
-
-def _fillet_checks(fillets: StressResults | None) -> list[Check]:
-    if fillets is None:
-        return []
-    return [
-        _check(
-            "Error of the fillet stresses",
-            fillets.error_estimate,
-            "Largest estimate from successive meshes.",
-            shown_unit="%",
-            allowed=fillets.accuracy,
-            met=fillets.accuracy_met,
-        )
-    ]
-
-
 def _study_checks(study: FittedStudy | None) -> list[Check]:
     chosen = {
         name.removesuffix("_compliance"): fits.selected()
@@ -329,20 +327,6 @@ def _study_checks(study: FittedStudy | None) -> list[Check]:
             shown_unit="%",
         )
         for kind, fit in chosen.items()
-    ]
-
-
-def _mechanism_checks(mechanism: MechanismResults | None) -> list[Check]:
-    if mechanism is None:
-        return []
-    return [
-        _check(
-            "Energy of the crank mechanism",
-            abs(mechanism.energy_error),
-            "Difference between the work of the torque over a cycle and the work of the gas, relative to "
-            "the work exchanged.",
-            allowed=LARGEST_ENERGY_ERROR,
-        )
     ]
 
 

@@ -208,16 +208,10 @@ def angle_cell(degrees: float | None) -> float | None:
 
 def engine_balance(run: MechanismRun) -> EngineBalance:
     """Return the balance of a run with the masses in it."""
-    bare = replace(run.layout, rotating=())
-    whole = run.balance
+    engine_file, layout, whole = run.engine_file, run.layout, run.balance
+    bare = replace(layout, rotating=())
     first = balance(bare, whole.speed, (1,), about=whole.about, model=whole.model).of(1)
-    return EngineBalance(
-        whole, tuple(_throws(run)), FirstOrder(first.force.major, first.moment.major)
-    )
-
-
-def _throws(run: MechanismRun) -> Iterator[ThrowBalance]:
-    engine_file, layout = run.engine_file, run.layout
+    throws = []
     for number, throw in enumerate(engine_file.crank_throws):
         towards = cmath.rect(1.0, -math.radians(engine_file.rotation_angles_deg[number]))
         rods = sum(
@@ -226,7 +220,7 @@ def _throws(run: MechanismRun) -> Iterator[ThrowBalance]:
             * towards
             * cmath.rect(1.0, math.radians(cylinder.crank_angle_deg))
             for mass, cylinder, place in zip(
-                run.balance.masses, layout.cylinders, engine_file.throws, strict=True
+                whole.masses, layout.cylinders, engine_file.throws, strict=True
             )
             if place == number
         )
@@ -239,14 +233,12 @@ def _throws(run: MechanismRun) -> Iterator[ThrowBalance]:
         moments = [*map(complex, (rods, solid)), complex(y, -engine_file.engine.turning_sense * x)]
         moments.append(moments[0] + moments[1])
         scale = sum(map(abs, moments))
-        yield ThrowBalance(number + 1, *(_without_round_off(moment, scale) for moment in moments))
-
-
-def _without_round_off(moment: complex, scale: float) -> tuple[float, float]:
-    along, across = (
-        0.0 if abs(part) < ROUND_OFF * scale else part for part in (moment.real, moment.imag)
-    )
-    return along, across
+        sizes = [
+            [0.0 if abs(part) < ROUND_OFF * scale else part for part in (moment.real, moment.imag)]
+            for moment in moments
+        ]
+        throws.append(ThrowBalance(number + 1, *((along, across) for along, across in sizes)))
+    return EngineBalance(whole, tuple(throws), FirstOrder(first.force.major, first.moment.major))
 
 
 def per_area_table(

@@ -299,7 +299,18 @@ def mechanism_results(run: MechanismRun) -> MechanismResults:
     pins, journals = bearing_sizes(engine_file)
     angles = forces.shaft_angles_deg
     least, most = int(np.argmin(torque)), int(np.argmax(torque))
-    gas, assumed = _gas_remarks(run)
+    # Remarks on some cylinders only have their numbers.
+    whose: dict[str, list[str]] = {}
+    for place, pressure in enumerate(run.pressure, start=1):
+        for remark in pressure.remarks:
+            whose.setdefault(remark, []).append(str(place))
+    gas = [
+        remark
+        if len(places) == len(run.pressure)
+        else f"Cylinders {format_names(places)}: {remark[0].lower()}{remark[1:]}"
+        for remark, places in whose.items()
+    ]
+    assumed = set[str]().union(*(pressure.assumed for pressure in run.pressure))
     return MechanismResults(
         engine=engine_file.engine.name,
         speed=run.speed,
@@ -374,23 +385,6 @@ def bearing_sizes(engine_file: EngineFile) -> tuple[list[Size], list[Size]]:
             for left, right in sides
         ],
     )
-
-
-def _gas_remarks(run: MechanismRun) -> tuple[list[str], set[str]]:
-    """Return the remarks on the pressures, and those of assumed values that all cylinders have.
-
-    Remarks on some cylinders only have their numbers.
-    """
-    whose: dict[str, list[str]] = {}
-    for place, pressure in enumerate(run.pressure, start=1):
-        for remark in pressure.remarks:
-            whose.setdefault(remark, []).append(str(place))
-    return [
-        remark
-        if len(places) == len(run.pressure)
-        else f"Cylinders {format_names(places)}: {remark[0].lower()}{remark[1:]}"
-        for remark, places in whose.items()
-    ], set[str]().union(*(pressure.assumed for pressure in run.pressure))
 
 
 def _from_firing(run: MechanismRun, load: LoadDiagram, group: Sequence[int]) -> float:

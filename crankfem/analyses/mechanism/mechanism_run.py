@@ -232,6 +232,7 @@ def run_mechanism(
     forces = mechanism_forces(
         layout, turning, gas, model=model, shaft_angles_deg=np.degrees(angles)
     )
+    group = hinged_group(layout)
     return MechanismRun(
         engine_file=engine_file,
         layout=layout,
@@ -249,7 +250,7 @@ def run_mechanism(
             about=0.5 * engine_file.bearing_positions[-1],
             model="two-mass" if model == "two-mass" else "rigid",
         ),
-        hinged_rods=_hinged_rods(layout, turning),
+        hinged_rods=hinged_rod_effects(layout, turning, cylinders=group) if group else (),
     )
 
 
@@ -262,11 +263,6 @@ def _place(number: int | None, count: int, what: str) -> int:
             f"number: given {number!r}; allowed is 1 to {count} for {what}, because there are that many."
         )
     return number - 1
-
-
-def _hinged_rods(layout: EngineLayout, speed: float) -> tuple[HingedRodEffects, ...]:
-    group = hinged_group(layout)
-    return hinged_rod_effects(layout, speed, cylinders=group) if group else ()
 
 
 def hinged_group(layout: EngineLayout) -> tuple[int, ...]:

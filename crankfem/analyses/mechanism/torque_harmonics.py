@@ -332,10 +332,8 @@ class EngineHarmonics(FiredCylinders):
             np.column_stack([self.harmonics.orders, *amplitudes]).tolist(),
         )
         if self.cylinder is not None:
-            yield from (
-                _pin_force_table(self.cylinder, force, self.strokes, units)
-                for force in ("tangential", "radial")
-            )
+            for force in ("tangential", "radial"):
+                yield _pin_force_table(self.cylinder, force, self.strokes, units)
         yield from self.star_parts(hinged=self.hinged_rods)
 
     def rows(self) -> tuple[str, list[list[object]]]:

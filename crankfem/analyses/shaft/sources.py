@@ -288,21 +288,17 @@ def torsional_sources(
 ) -> Sources:
     """Torsional compliance of each throw [rad/(N m)] by source; only the maker's for a given plant."""
     if PLANT in engine_file.shaft_lines:
-        return {GIVEN: _given_by_plant(engine_file)}
+        # Half of the compliance on either side of each crank, in the plant's chain.
+        chain = engine_file.shaft_lines[PLANT]
+        nodes = plant_chain(chain, np.bincount(engine_file.throws).tolist()).throw_nodes
+        halves = 0.5 / chain.stiffness
+        # Before the first crank there may be nothing: it is taken to be as after it.
+        after = halves[list(nodes)]
+        before = np.concatenate((after[:1], after[:-1]))
+        remark = "the chain of the plant as its maker gives it (shaft_line.plant)"
+        return {GIVEN: (after + before, remark)}
     fitted = _fitted_sources(engine_file, analysis, model, "torsional_compliance", shaft.torsional)
     return fitted | torsional_by_formulas(engine_file.crank_throws, engine_file.material)
-
-
-def _given_by_plant(engine_file: EngineFile) -> tuple[NDArray[np.float64], str]:
-    """Half of the compliance on either side of each crank, in a plant's chain."""
-    chain = engine_file.shaft_lines[PLANT]
-    nodes = plant_chain(chain, np.bincount(engine_file.throws).tolist()).throw_nodes
-    halves = 0.5 / chain.stiffness
-    # Before the first crank there may be nothing: it is taken to be as after it.
-    after = halves[list(nodes)]
-    before = np.concatenate((after[:1], after[:-1]))
-    remark = "the chain of the plant as its maker gives it (shaft_line.plant)"
-    return after + before, remark
 
 
 def _fitted_sources(

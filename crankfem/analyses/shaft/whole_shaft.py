@@ -24,7 +24,6 @@ from crankfem.analyses.shaft.chains import MOTION, magnifier_of, shaft_surroundi
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.chain.chain_file import PLANT
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.sections.excitation_sections import PropellerForcesSection
 from dynamics import wording
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.crankshaft.assembly import MOTION_OF, assemble_crankshaft
@@ -422,25 +421,18 @@ def not_comparable(engine_file: EngineFile) -> str:
     """Say why nothing judges the whole crankshaft of an engine file; nothing if it can be judged."""
     if PLANT in engine_file.shaft_lines:
         return wording.WITHOUT_PLANT
-    propeller_forces = engine_file.propeller_forces
-    if propeller_forces is not None and {propeller_forces.node} - _line_nodes(
-        engine_file, propeller_forces
-    ):
-        return wording.without_propeller(propeller_forces.node)
-    return ""
-
-
-def _line_nodes(engine_file: EngineFile, forces: PropellerForcesSection) -> set[str]:
-    """Nodes of the shaft lines on which a propeller's torque and thrust, if there are some, can act."""
-    lines = engine_file.shaft_lines
+    forces, lines = engine_file.propeller_forces, engine_file.shaft_lines
+    if forces is None:
+        return ""
+    # The propeller's torque and thrust, if there are some, act on a node of the line of their kind.
     acting: tuple[tuple[Kind, Sequence[float]], ...] = (
         ("torsional", forces.torque_shares),
         ("axial", forces.thrust_shares),
     )
-    named = [
-        set(lines[kind].names[1:]) if kind in lines else set() for kind, shares in acting if shares
-    ]
-    return set.intersection(*named)
+    for kind, shares in acting:
+        if shares and (kind not in lines or forces.node not in lines[kind].names[1:]):
+            return wording.without_propeller(forces.node)
+    return ""
 
 
 def propeller_on_shaft(

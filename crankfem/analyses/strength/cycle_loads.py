@@ -17,7 +17,7 @@ from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
-from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
+from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import (
     engine_harmonics,
     failing_harmonics,
@@ -26,7 +26,6 @@ from crankfem.analyses.vibration.engine_excitation import (
 from crankfem.analyses.vibration.misfiring import Cylinders, Series, Superposition, misfiring_cases
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.chains.engine_chains import EngineChain
 from dynamics.engine.forces import mechanism_forces
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.indices import within, within_any
@@ -121,7 +120,7 @@ def shaft_loads(vibration: EngineVibration) -> ShaftLoads:
         worst.append(
             max(
                 (_largest(torques, speeds[kept], case) for case, torques in each.items()),
-                key=_value,
+                key=lambda load: load.value,
             )
         )
     for torques, _ in largest.values():
@@ -156,7 +155,15 @@ def superposition(vibration: EngineVibration) -> Superposition:
     failing = firing
     if vibration.misfiring is not None:
         failing = failing_harmonics(file, firing)
-    return Superposition(chains, firing, failing, _loads)
+    return Superposition(
+        chains,
+        firing,
+        failing,
+        lambda _, axial, torsional: {
+            "axial": axial.crank_elements,
+            "torsional": torsional.loads.elastic,
+        },
+    )
 
 
 def _cases(
@@ -165,18 +172,14 @@ def _cases(
     """Return amplitudes of torque and axial force of each throw (S, n) in normal firing and each case."""
     file, added = vibration.engine_file, superposition(vibration)
     cases = () if vibration.misfiring is None else misfiring_cases(file)
+    cranks = added.chains.cranks
+    ends = cranks.chain.connections[: cranks.crank_elements]
+    beside = [[e for e, nodes in enumerate(ends) if node in nodes] for node in cranks.throw_nodes]
     for case, series in added.at(speeds, [(), *cases]):
-        yield (
-            case,
-            (
-                _beside_throws(_amplitude(file, series["torsional"]), added.chains.cranks),
-                _amplitude(file, series["axial"]),
-            ),
-        )
-
-
-def _loads(_: EngineFile, axial: ChainAnswer, torsional: ChainAnswer) -> Series:
-    return {"axial": axial.crank_elements, "torsional": torsional.loads.elastic}
+        torques = _amplitude(file, series["torsional"])
+        # Of a throw, the larger of the elements next to it.
+        larger = [np.max(torques[:, places], axis=1) for places in beside]
+        yield case, (np.stack(larger, axis=1), _amplitude(file, series["axial"]))
 
 
 def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:
@@ -187,20 +190,9 @@ def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:
     ).amplitude
 
 
-def _beside_throws(amplitude: FloatArray, cranks: EngineChain) -> FloatArray:
-    """Return the larger amplitude of the elements next to each throw, (S, n), from those of all (S, e)."""
-    ends = cranks.chain.connections[: cranks.crank_elements]
-    beside = [[e for e, nodes in enumerate(ends) if node in nodes] for node in cranks.throw_nodes]
-    return np.stack([np.max(amplitude[:, places], axis=1) for places in beside], axis=1)
-
-
 def _largest(values: FloatArray, speeds: FloatArray, case: Cylinders) -> LargestLoad:
     place = int(np.argmax(values))
     return LargestLoad(float(values[place]), float(speeds[place]), case)
-
-
-def _value(load: LargestLoad) -> float:
-    return load.value
 
 
 def supported_throws(engine: EngineFile) -> tuple[SupportedThrow, ...]:

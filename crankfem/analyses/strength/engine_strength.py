@@ -667,13 +667,6 @@ def _more(smaller: float, other: float) -> str:
     return f"{percent(other / smaller - 1.0, 2)} %"
 
 
-def _shrunk(web: ThrowWeb) -> str:
-    """State where a shaft without fillets at its journals is described."""
-    if web.web.journal_fillet_radius or web.web.semi_built:
-        return ""
-    return " Journals shrunk into the webs need a section [strength.shrink_fit]."
-
-
 def shown_factor(place: PlaceStrength) -> str:
     """Write an acceptability factor so that rounding does not make it sufficient."""
     digits = next(
@@ -708,7 +701,10 @@ def _throw(
             known[web.name] = ConcentrationFactors(web.web, section.coefficients)
         except InputError as error:
             if section.factors == "formulas":
-                left_out.append(f", {web.name}: {error}{_shrunk(web)}")
+                # A shaft without fillets at its journals is described elsewhere.
+                shrunk = not (web.web.journal_fillet_radius or web.web.semi_built)
+                needed = " Journals shrunk into the webs need a section [strength.shrink_fit]."
+                left_out.append(f", {web.name}: {error}{needed if shrunk else ''}")
                 continue
         if section.factors == "formulas":
             factors = known[web.name]

@@ -11,7 +11,6 @@ from crankbase.quantity import DISPLAY_UNITS
 from crankbase.results import Internal, Quantity, Result, result
 from crankbase.table import Column, Main, OutputUnit, Table
 from regression.plans.designs import DesignQuality, design_quality
-from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedStudy
 from regression.records import HELD_OUT, RUN
 
@@ -91,9 +90,14 @@ class PlannedDesigns(Result):
         distance = (
             "" if quality.distance is None else f"nearest runs {quality.distance:.3g} apart, "
         )
+        columns = [Column("design"), Column("role", words=True)]
+        for factor in plan.factors:
+            unit, size = DISPLAY_UNITS.get(factor.unit, (factor.unit, 1.0))
+            shown = OutputUnit(unit, size)
+            columns.append(Column(factor.name, shown, 6, words=bool(factor.labels)))
         yield Table(
             "Designs",
-            [Column("design"), Column("role", words=True), *map(_column, plan.factors)],
+            columns,
             [
                 [number, design.role, *design.values.values()]
                 for number, design in enumerate(self.designs[:MOST_ROWS], start=1)
@@ -146,8 +150,3 @@ class PlannedDesigns(Result):
             yield f"  {first.role}, {values}: {first.reason.rstrip('.')}{more}."
         if len(groups) > MOST_REASONS:
             yield f"  ... and {len(groups) - MOST_REASONS} other reasons; --json has them all."
-
-
-def _column(factor: Factor) -> Column:
-    unit, size = DISPLAY_UNITS.get(factor.unit, (factor.unit, 1.0))
-    return Column(factor.name, OutputUnit(unit, size), 6, words=bool(factor.labels))

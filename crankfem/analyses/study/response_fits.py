@@ -382,26 +382,22 @@ def _encodings(table: StudyTable) -> tuple[dict[str, Encoding], dict[str, str]]:
     dimensions = {name: column[runs] for name, column in table.dimensions.items()}
     encodings = {"factors": factor_encoding(table.plan.factors, values)}
     try:
-        _check_similar(table)
+        # Groups fit no throws of different size that carry a part of one size.
+        throw = table.plan.throw
+        parts = [
+            name
+            for name in ("counterweight", "left_web", "right_web", "further_pins", "oil_holes")
+            if getattr(throw, name)
+        ]
+        if parts and float(np.ptp(table.dimensions["pin_diameter"])) > 0.0:
+            raise InputError(
+                f"groups: given throws of different sizes with {parts[0]}; allowed are throws without, "
+                "because the part does not grow with the throw."
+            )
         encodings["groups"] = group_encoding(table.plan.factors, values, dimensions)
     except InputError as error:
         return encodings, {"groups": str(error)}
     return encodings, {}
-
-
-def _check_similar(table: StudyTable) -> None:
-    """Refuse groups where throws of different size carry a part of one size."""
-    throw = table.plan.throw
-    parts = [
-        name
-        for name in ("counterweight", "left_web", "right_web", "further_pins", "oil_holes")
-        if getattr(throw, name)
-    ]
-    if parts and float(np.ptp(table.dimensions["pin_diameter"])) > 0.0:
-        raise InputError(
-            f"groups: given throws of different sizes with {parts[0]}; allowed are throws without, "
-            "because the part does not grow with the throw."
-        )
 
 
 def _fit_response(

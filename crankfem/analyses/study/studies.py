@@ -109,13 +109,6 @@ def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: in
     (count, k) ndarray
         Values of the factors [SI] of throws that can be built and keep the study's constraints.
     """
-    places = _places(table, count)
-    equations = [_judged(table, response, places) for response in fits.values()]
-    return places[worst_places(equations, count)]
-
-
-def _places(table: StudyTable, count: int) -> Array:
-    """Draw designs of the study that it does not have yet."""
     plan, factors = table.plan, table.plan.factors
     choices = [len(factor.labels) for factor in factors]
 
@@ -142,7 +135,9 @@ def _places(table: StudyTable, count: int) -> Array:
             "ranges that can be built and keep its constraints, of which too few are found."
         )
     points, _, impossible = feasible
-    return np.unique(values_at(factors, points[~impossible]), axis=0)
+    places = np.unique(values_at(factors, points[~impossible]), axis=0)
+    equations = [_judged(table, response, places) for response in fits.values()]
+    return places[worst_places(equations, count)]
 
 
 def _judged(table: StudyTable, response: ResponseFits, places: Array) -> JudgedEquation:
@@ -315,14 +310,10 @@ def run_study(
         dask=dask,
         time_limit=time_limit,
         memory_limit=memory_limit,
-        note=note or _to_stderr,
+        note=note or (lambda text: print(visible(text), file=sys.stderr, flush=True)),
         more=more,
     )
     return fitted(table)
-
-
-def _to_stderr(text: str) -> None:
-    print(visible(text), file=sys.stderr, flush=True)
 
 
 def study_key(study: str | None) -> str | None:
@@ -402,7 +393,15 @@ def export_designs(
         check_output(files[place], "solid" if kind == "step" else "mesh")
     table = folder / TABLE
     with write_errors(table), atomic_file(table, "table") as part:
-        write_csv(part, _columns(planned, files))
+        about = columns(study_table(planned.plan, planned.designs, {}))
+        write_csv(
+            part,
+            [
+                Column("design", "", list(range(1, len(files) + 1))),
+                Column("file", "", [file.name for file in files]),
+                *(column for column in about if column.name not in OF_RESULTS),
+            ],
+        )
     failures = {}
     done = len(files) - len(missing)
     progress(done, len(files))
@@ -422,15 +421,6 @@ def check_kind(kind: str) -> None:
     """Refuse a kind of file that is not in `KINDS`."""
     if kind not in KINDS:
         raise InputError(f"mesh: given {kind!r}; allowed are {', '.join(KINDS)}.")
-
-
-def _columns(planned: PlannedStudy, files: tuple[Path, ...]) -> list[Column]:
-    about = columns(study_table(planned.plan, planned.designs, {}))
-    return [
-        Column("design", "", list(range(1, len(files) + 1))),
-        Column("file", "", [file.name for file in files]),
-        *(column for column in about if column.name not in OF_RESULTS),
-    ]
 
 
 def _write(design: PlannedDesign, file: Path) -> None:

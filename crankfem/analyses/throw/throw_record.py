@@ -159,7 +159,8 @@ class ThrowResults(Result):
 
     def pin_force_words(self, units: OutputUnits = SI) -> str:
         """State which force acts on the pin."""
-        if _pins(self.dimensions) == 1:
+        throw = self.dimensions
+        if len(throw.parts.pins if isinstance(throw, CrankThrow) else throw.pins) == 1:
             return force_words(self.pin_force, "the pin", units)
         first = force_words(self.pin_force, "the first pin", units)
         further = enumerate(self.further_pin_forces or (), start=2)
@@ -340,10 +341,6 @@ class ThrowResults(Result):
             [[name, s, s / total] for name, s in (dict(self.seconds) | {"all": total}).items()],
             main=True,
         )
-
-
-def _pins(dimensions: CrankThrow | ThrowInFile) -> int:
-    return len(dimensions.parts.pins if isinstance(dimensions, CrankThrow) else dimensions.pins)
 
 
 def force_words(force: Sequence[float], on: str, units: OutputUnits) -> str:

@@ -237,15 +237,19 @@ def bearing_sweep(
     )
     modes = [crankshaft_modes(shaft) for shaft in shafts]
     # Of the nominal stiffness: a mode keeps its number over the range, not its shape.
-    firsts = {kind: _own_first(each[nominal].chain(kind)) for kind in KINDS}
-    chains = {
-        kind: np.array([_frequency(held_chain.chain(kind), firsts[kind]) for held_chain in each])
-        for kind in KINDS
-    }
-    matched, further = {}, {}
-    for kind in KINDS if shafts else ():
-        same_kind = [held_chain.chain(kind) for held_chain in each]
-        matched[kind], further[kind] = _followed(shafts, modes, same_kind, nominal, firsts[kind])
+    firsts, frequencies, matched, further = {}, {}, {}, {}
+    for kind in KINDS:
+        chains = [held_chain.chain(kind) for held_chain in each]
+        first = chains[nominal].first_mode(chains[nominal].chain.modes())
+        firsts[kind] = first
+        frequencies[kind] = np.array(
+            [
+                math.nan if first is None else chain.chain.modes().frequencies[first]
+                for chain in chains
+            ]
+        )
+        if shafts:
+            matched[kind], further[kind] = _followed(shafts, modes, chains, nominal, first)
     verdicts = [
         engine_verdict(engine_file, limit_findings(engine_file, *held_chain.answers))
         if held_chain.answers
@@ -265,7 +269,7 @@ def bearing_sweep(
         bearings=held,
         assumed=engine_file.bearings is None,
         stiffness=np.array([held_chain.stiffness for held_chain in each]),
-        chains=chains,
+        chains=frequencies,
         shaft=matched,
         used={name: np.array([c.used for c in checks]) for name, checks in worst.items()},
         statuses=tuple(verdict.status for verdict in verdicts),
@@ -316,14 +320,6 @@ def answers_by_chain(
             if answer.kind == nominal.kind:
                 answers[answer.engine_chain.chain] = answer
     return answers
-
-
-def _own_first(chain: EngineChain) -> int | None:
-    return chain.first_mode(chain.chain.modes())
-
-
-def _frequency(chain: EngineChain, mode: int | None) -> float:
-    return math.nan if mode is None else float(chain.chain.modes().frequencies[mode])
 
 
 def _followed(

@@ -118,7 +118,19 @@ class EngineChains:
     @cached_property
     def moduli(self) -> dict[int, float]:
         """Section modulus of each element of the crankshaft in torsion, that of the weaker throw [m^3]."""
-        return _sections(self.engine_file, self.cranks)
+        cranks = self.cranks
+        moduli = [nominal_section_modulus(throw) for throw in self.engine_file.crank_throws]
+        sections: dict[int, float] = {}
+        for element in range(cranks.crank_elements):
+            ends = cranks.chain.connections[element]
+            joined = [
+                moduli[cranks.throw_nodes.index(node)]
+                for node in ends
+                if node in cranks.throw_nodes
+            ]
+            if joined:  # of a plant, parts before the first crank have no section that is known
+                sections[element] = min(joined)
+        return sections
 
     def at(self, harmonics: CylinderHarmonics, speeds: FloatArray) -> Answers:
         """Return the axial and the torsional vibration at speeds [rad/s], ascending."""
@@ -202,17 +214,3 @@ def nominal_section_modulus(throw: CrankThrow) -> float:
         [throw.main_journal_bore, throw.pin_bore],
     )
     return float(min(moduli))
-
-
-def _sections(engine_file: EngineFile, chain: EngineChain) -> dict[int, float]:
-    """Section modulus of each element of the crankshaft: the weaker one of the throws that it joins."""
-    moduli = [nominal_section_modulus(throw) for throw in engine_file.crank_throws]
-    sections: dict[int, float] = {}
-    for element in range(chain.crank_elements):
-        ends = chain.chain.connections[element]
-        joined = [
-            moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes
-        ]
-        if joined:  # of a plant, parts before the first crank have no section that is known
-            sections[element] = min(joined)
-    return sections

@@ -603,23 +603,7 @@ def refuse_vibration(engine_file: EngineFile) -> None:
     """Refuse limits, sources of compliances and parts of chains with which no vibration is calculated."""
     refuse_limits(engine_file)
     refuse_law(engine_file)
-    _refuse_formulas(engine_file)
-    _refuse_chains(engine_file)
-
-
-def refuse_forced_vibration(engine_file: EngineFile) -> None:
-    """Refuse pressures that cannot be reached or resolved, and a saved model that does not fit, too."""
-    refuse_vibration(engine_file)
-    if engine_file.gas is not None or engine_file.gas_map is not None:
-        harmonics = engine_harmonics(engine_file)
-        if engine_file.misfire is not None:
-            _ = failing_harmonics(engine_file, harmonics)
-    if engine_file.vibration.model is not None:
-        usable_model(engine_file, None)
-
-
-def _refuse_formulas(engine_file: EngineFile) -> None:
-    """Refuse a published formula as the source where it gives a throw no compliance above zero."""
+    # A published formula may give a throw no compliance above zero.
     throws, material = engine_file.crank_throws, engine_file.material
     vibration = engine_file.vibration
     for kind, source, sources in (
@@ -637,10 +621,7 @@ def _refuse_formulas(engine_file: EngineFile) -> None:
                     f"{np.min(values):.3g}; give another source, such as 'fe', because a compliance is above "
                     "zero."
                 )
-
-
-def _refuse_chains(engine_file: EngineFile) -> None:
-    """Refuse what does not fit the chains, whatever their throws' compliances are."""
+    # What does not fit the chains is refused whatever their throws' compliances are.
     count = len(engine_file.throw_angles_deg)
     compliances, some = np.full(count, ANY_COMPLIANCE), np.full(count, ANY_INERTIA)
     inertias = engine_throw_inertias(engine_file, ANY_INERTIA)
@@ -653,3 +634,14 @@ def _refuse_chains(engine_file: EngineFile) -> None:
         speed = np.array([engine_file.engine.rated_speed])
         excitation = OrderExcitation(np.ones(1), speed, still)
         _ = with_propeller(engine_file, chain, excitation)
+
+
+def refuse_forced_vibration(engine_file: EngineFile) -> None:
+    """Refuse pressures that cannot be reached or resolved, and a saved model that does not fit, too."""
+    refuse_vibration(engine_file)
+    if engine_file.gas is not None or engine_file.gas_map is not None:
+        harmonics = engine_harmonics(engine_file)
+        if engine_file.misfire is not None:
+            _ = failing_harmonics(engine_file, harmonics)
+    if engine_file.vibration.model is not None:
+        usable_model(engine_file, None)

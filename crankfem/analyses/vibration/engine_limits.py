@@ -1,6 +1,6 @@
 """The limits of an engine file, including those from rules, and the speeds at which they apply."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
@@ -177,7 +177,14 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
     )
     remarks = []
     if engine.driven_by:
-        _refuse_without_limit(engine_file, named_limits)
+        # The rules are for engines: a driven machine's crankshaft has a given limit.
+        forced = engine_file.gas is not None or engine_file.gas_map is not None
+        if forced and "crankshaft_stress" not in named_limits:
+            raise InputError(
+                "limits.crankshaft_stress: missing for a machine that is driven; give what its maker "
+                'permits, or { value = "25 MPa", assumed = "why" }, because the rules of classes for '
+                "crankshafts are for engines."
+            )
     elif "crankshaft_stress" not in named_limits:
         tensile, yielding = strengths(engine_file)
         picked = CRANKSHAFT_RULES[rule_of(engine)](
@@ -219,17 +226,6 @@ def _engine_limits(engine_file: EngineFile) -> Limits:
             name: replace(limit, misfiring_basis=basis) for name, limit in named_limits.items()
         }
     return named_limits, tuple(remarks)
-
-
-def _refuse_without_limit(engine_file: EngineFile, limits: Collection[str]) -> None:
-    """Refuse to judge a driven machine by rules for engines: its crankshaft has a given limit."""
-    forced = engine_file.gas is not None or engine_file.gas_map is not None
-    if forced and "crankshaft_stress" not in limits:
-        raise InputError(
-            "limits.crankshaft_stress: missing for a machine that is driven; give what its maker permits, or "
-            '{ value = "25 MPa", assumed = "why" }, because the rules of classes for crankshafts are for '
-            "engines."
-        )
 
 
 def rule_of(engine: Engine) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,23 +57,19 @@ def plot_shaft_modes(
         for panel, mode in zip(axes.flat, shown, strict=False):
             draw_diagram(panel, shaft_shape(places, modes.motions[order, :, mode], radius))
             panel.set_ylabel("")
+            label = modes.label(mode)
+            title = f"{modes.frequencies[mode]:.1f} Hz\n" + label.replace(", ", "\n")
+            panel.set_title(title, fontsize=9)
+            # Titles of fewer lines have the height of those with three classes, so that axes align.
+            panel.title.set_linespacing(1.15)
             panel.set_title(
-                f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
-                fontsize=9,
+                panel.get_title(loc="left") + "\n" * (2 - label.count(",")), loc="left", fontsize=9
             )
-            _pad_title(panel, modes.label(mode))
         for left in axes[:, 0]:
             left.set_ylabel("relative displacement")
         first = axes[0, 0]
         handles, names = first.get_legend_handles_labels()
         first.figure.legend(handles, names, fontsize=8, loc="outside lower center", ncols=4)
-
-
-def _pad_title(axes: Any, label: str) -> None:
-    """Give titles of fewer lines the height of those with three classes, so that axes align."""
-    axes.title.set_linespacing(1.15)
-    missing = 2 - label.count(",")
-    axes.set_title(axes.get_title(loc="left") + "\n" * missing, loc="left", fontsize=9)
 
 
 def plot_response_campbell(
@@ -146,7 +142,12 @@ def plot_transient(
         )
     moving: Moving = "torque" if quantity == "torque" else "twist"
     with figure(path, width=7.6, height=5.0) as axes:
-        top, bottom = _two_rows(axes)
+        # A high one and a low one below it replace the axes of the figure.
+        grid = axes.get_subplotspec().subgridspec(2, 1, height_ratios=(2.4, 1.0))
+        drawn = axes.figure
+        axes.remove()
+        top = drawn.add_subplot(grid[0])
+        bottom = drawn.add_subplot(grid[1], sharex=top)
         run.plot(top, place, quantity=moving, steady=steady, turns=turns)
         top.set_xlabel("")
         top.tick_params(labelbottom=False)
@@ -195,12 +196,3 @@ def plot_transient_over_speed(
     with figure(path, width=7.2, height=3.8) as axes:
         draw_named_curves(axes, along, curves, label, dashed=True)
         add_title(axes, title)
-
-
-def _two_rows(axes: Any) -> tuple[Any, Any]:
-    """Replace the axes of a figure by a high one and a low one below it."""
-    grid = axes.get_subplotspec().subgridspec(2, 1, height_ratios=(2.4, 1.0))
-    drawn = axes.figure
-    axes.remove()
-    top = drawn.add_subplot(grid[0])
-    return top, drawn.add_subplot(grid[1], sharex=top)

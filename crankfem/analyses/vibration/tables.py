@@ -613,7 +613,14 @@ def speed_table(
     # A column that would say "none" of every speed says nothing.
     columns = zip(table.columns, zip(*table.rows, strict=True), strict=False)
     return table.select(
-        *(column.name for column, cells in columns if any(_is_there(cell) for cell in cells))
+        *(
+            column.name
+            for column, cells in columns
+            if any(
+                (cell is not None and not (isinstance(cell, float) and math.isnan(cell)))
+                for cell in cells
+            )
+        )
     )
 
 
@@ -635,10 +642,6 @@ def _mark(line: CriticalLine) -> str:
     if line.peak is not None and line.peak.limit_used > 1.0:
         return "over"
     return "chosen" if line.phase_sum >= TOGETHER else ""
-
-
-def _is_there(cell: Cell) -> bool:
-    return cell is not None and not (isinstance(cell, float) and math.isnan(cell))
 
 
 def critical_lines(run: EngineVibration, kind: str) -> list[CriticalLine]:

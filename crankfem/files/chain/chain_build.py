@@ -58,20 +58,6 @@ class Axial:
     name: str | None = None
 
 
-def _pair() -> Any:
-    return Field(
-        None,
-        description="names of the two nodes that it joins; for the element of number k from 0, by default "
-        "nodes k and k + 1",
-    )
-
-
-def _loss_factor() -> Any:
-    return quantity_field(
-        "loss factor, hysteretic damping", "", 0.0, 2.0, default=0.0, feature=True
-    )
-
-
 def _modulus(of: str) -> Any:
     return quantity_field(f"shear modulus of {of}", "Pa", 1e8, 3e11, default=None)
 
@@ -85,8 +71,14 @@ class _Varies(InputModel):
 class Element(_Varies):
     """A spring of a torsional chain, or a piece of shaft."""
 
-    nodes: tuple[str, str] | None = _pair()
-    loss_factor: float = _loss_factor()
+    nodes: tuple[str, str] | None = Field(
+        None,
+        description="names of the two nodes that it joins; for the element of number k from 0, by default "
+        "nodes k and k + 1",
+    )
+    loss_factor: float = quantity_field(
+        "loss factor, hysteretic damping", "", 0.0, 2.0, default=0.0, feature=True
+    )
     relative_damping: float | None = quantity_field(PSI, "", 0.0, LARGEST_PSI, default=None)
     magnifier: float | None = quantity_field(MAGNIFIER, "", SMALLEST_MAGNIFIER, default=None)
     shape: Literal["cylinder", "cone", "flange"] | None = Field(
@@ -336,7 +328,12 @@ def chain_of(section: ChainSection, material: Material) -> Chain:
             between = [f"{left} - {right} {k}" for k in range(1, element.parts)]
             pieces = _piece(section, element, element.shape, material).divided(element.parts)
             loss = in_si(element, f"chain.elements[{number}]", "loss_factor", base)
-            rows += _shaft(section, loss, pieces, [left, *between, right])
+            joints = [left, *between, right]
+            for piece, start, end in zip(pieces, joints[:-1], joints[1:], strict=True):
+                torsional = section.kind == "torsional"
+                compliance = piece.torsional_compliance if torsional else piece.axial_compliance
+                spread = piece.polar_inertia if torsional else piece.mass
+                rows.append(_Row(start, end, 1.0 / compliance, 0.0, loss, spread))
             # Between neighbors the inner nodes stand in their place of the row, otherwise at its end.
             places = names.index(left), names.index(right)
             host = names[min(places)] if abs(places[0] - places[1]) == 1 else None
@@ -434,22 +431,20 @@ def _nodes(section: ChainSection, base: PerUnitBase | None) -> dict[str, Node]:
             f"chain.names: given {len(names)} names, {len(set(names))} of them different, for {len(listed)} "
             f"values of {field}; allowed is a different one for each, because results are named by them."
         )
-    grounds = [_of_each_node(section, beside, len(listed)) for beside in GROUND_FIELDS]
+    grounds = []
+    for beside in GROUND_FIELDS:
+        values: tuple[float, ...] | None = getattr(section, beside)
+        if values is not None and len(values) != len(listed):
+            raise InputError(
+                f"chain.{beside}: given {len(values)} values for {len(listed)} nodes; allowed is one for "
+                "each, because each has its own."
+            )
+        grounds.append(values or (0.0,) * len(listed))
     make: Any = kind.node
     return {
         name: make(name=name, **{field: inertia}, ground_stiffness=spring, ground_damping=damping)
         for name, inertia, spring, damping in zip(names, listed, *grounds, strict=True)
     }
-
-
-def _of_each_node(section: ChainSection, field: str, count: int) -> tuple[float, ...]:
-    values: tuple[float, ...] | None = getattr(section, field)
-    if values is not None and len(values) != count:
-        raise InputError(
-            f"chain.{field}: given {len(values)} values for {count} nodes; allowed is one for each, "
-            "because each has its own."
-        )
-    return values or (0.0,) * count
 
 
 def _elements(
@@ -584,15 +579,3 @@ def _piece(section: ChainSection, element: Element, shape: str, steel: Material)
     if shape == "flange":
         return shaft_flange(sizes["length"], sizes["diameter"], sizes["bore"], material)
     return shaft_cylinder(**sizes, material=material)
-
-
-def _shaft(
-    section: ChainSection, loss_factor: float, pieces: tuple[ShaftCone, ...], names: list[str]
-) -> list[_Row]:
-    torsional = section.kind == "torsional"
-    rows = []
-    for piece, left, right in zip(pieces, names[:-1], names[1:], strict=True):
-        compliance = piece.torsional_compliance if torsional else piece.axial_compliance
-        spread = piece.polar_inertia if torsional else piece.mass
-        rows.append(_Row(left, right, 1.0 / compliance, 0.0, loss_factor, spread))
-    return rows

@@ -97,7 +97,14 @@ def _read(text: str) -> ChainText:
             continue
         where = f"line {number}"
         if kind is None:
-            kind, title = _heading(where, line)
+            heading = HEADING.fullmatch(line.strip())
+            if heading is None:
+                raise InputError(
+                    f"{where}: given {line.strip()!r}; allowed is torsional or axial, with a colon and a "
+                    "name if wanted, because units follow from it."
+                )
+            kind = "torsional" if heading[1] == "torsional" else "axial"
+            title = (heading[2] or "").strip()
             continue
         with errors.noted():
             if line[0].isspace():
@@ -118,16 +125,6 @@ def _read(text: str) -> ChainText:
         raise InputError("given no line; allowed is a heading, torsional or axial, and nodes.")
     errors.tell()
     return ChainText(kind, title, _chain(nodes, links))
-
-
-def _heading(where: str, line: str) -> tuple[Motion, str]:
-    heading = HEADING.fullmatch(line.strip())
-    if heading is None:
-        raise InputError(
-            f"{where}: given {line.strip()!r}; allowed is torsional or axial, with a colon and a name if "
-            "wanted, because units follow from it."
-        )
-    return ("torsional" if heading[1] == "torsional" else "axial"), (heading[2] or "").strip()
 
 
 def _node(where: str, columns: list[str], units: dict[str, str]) -> tuple[str, dict[str, float]]:
@@ -257,7 +254,12 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
             f"kind: given {kind!r}; allowed are torsional and axial, because units follow from it."
         )
     for key, text in (("name", name), *(("names", text) for text in chain.names)):
-        if (key == "names" or text) and not _stands_on_a_line(text):
+        if (key == "names" or text) and not (
+            text == text.strip()
+            and text.splitlines() == [text]
+            and "#" not in text
+            and COLUMNS.search(text) is None
+        ):
             raise InputError(
                 f"{key}: given {text!r}; allowed are names on one line, with single spaces and without "
                 "#, because two spaces separate columns and # begins a comment."
@@ -282,15 +284,6 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
     for (left, right), text in rest:
         lines.append(f"  {text}  from {chain.names[left]}  to {chain.names[right]}")
     return "\n".join(lines) + "\n"
-
-
-def _stands_on_a_line(name: str) -> bool:
-    return (
-        name == name.strip()
-        and name.splitlines() == [name]
-        and "#" not in name
-        and COLUMNS.search(name) is None
-    )
 
 
 def _node_line(chain: Chain, node: int, name: str, units: dict[str, str]) -> str:

@@ -111,7 +111,11 @@ def _allowed(info: FieldInfo) -> str:
     allowed = ""
     if unit is not None and low is not None and high is not None:
         allowed = f"{_limit(low, unit)} to {_limit(high, unit)}"
-    choices = [kind for kind in (info.annotation, *get_args(info.annotation)) if _is_choice(kind)]
+    choices = [
+        kind
+        for kind in (info.annotation, *get_args(info.annotation))
+        if get_origin(kind) is Literal
+    ]
     if choices:
         allowed = " or ".join(get_args(choices[0]))
     default = info.default
@@ -128,7 +132,3 @@ def _limit(value: float, unit: str) -> str:
     if not unit and float(value).is_integer() and abs(value) < WRITTEN_OUT:
         return f"{value:.0f}"
     return format_quantity(value, unit)
-
-
-def _is_choice(kind: object) -> bool:
-    return get_origin(kind) is Literal

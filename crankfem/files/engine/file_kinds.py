@@ -165,17 +165,14 @@ class ShippedFile:
 
 def shipped_files() -> tuple[ShippedFile, ...]:
     """Return all shipped files, engines first."""
-    paths = [input_path(name, kind) for kind in KINDS for name in shipped_names(kind)]
-    return tuple(
-        ShippedFile(path.stem, file_kind(read_toml(path)), _about(path), path) for path in paths
-    )
-
-
-def _about(path: Path) -> str:
-    """Return the first sentence of the comment at the head of a file."""
-    words = []
-    for line in path.read_text(encoding="utf-8").splitlines():
-        if not line.startswith("#") or line.startswith("#  "):
-            break
-        words.append(line.removeprefix("#").strip())
-    return " ".join(words).partition(". ")[0].partition("; ")[0].rstrip(".")
+    shipped = []
+    for path in (input_path(name, kind) for kind in KINDS for name in shipped_names(kind)):
+        words = []
+        for line in path.read_text(encoding="utf-8").splitlines():
+            if not line.startswith("#") or line.startswith("#  "):
+                break
+            words.append(line.removeprefix("#").strip())
+        # The first sentence of the comment at its head tells what it is.
+        about = " ".join(words).partition(". ")[0].partition("; ")[0].rstrip(".")
+        shipped.append(ShippedFile(path.stem, file_kind(read_toml(path)), about, path))
+    return tuple(shipped)

@@ -128,7 +128,8 @@ def engine_template(
         else written(intervals_text(steps.tolist()))
     )
     title = f"{cylinders} {'cylinder' if cylinders == 1 else 'cylinders'} {arranged}"
-    return Template(_text()).substitute(
+    text = files("crankfem.files.engine").joinpath("template.toml").read_text(encoding="utf-8")
+    return Template(text).substitute(
         sizes,
         title=f"{title}, {strokes}-stroke",
         file=file,
@@ -195,7 +196,3 @@ def _intervals(fires_deg: FloatArray, strokes: int) -> FloatArray:
 
 def _angles_text(angles_deg: FloatArray) -> str:
     return ", ".join(f'"{angle:.10g} deg"' for angle in angles_deg)
-
-
-def _text() -> str:
-    return files("crankfem.files.engine").joinpath("template.toml").read_text(encoding="utf-8")

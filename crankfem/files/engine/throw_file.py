@@ -115,24 +115,18 @@ class ThrowFile:
 def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
     """Read and check a file that describes a throw alone."""
     from crankfem.files.sections.engine_sections import Engine
-
-    read = engine_sections(path)
-    with read.all_errors({"engine": Engine}):
-        return _read_throw_file(read)
-
-
-def _read_throw_file(read: TomlFile) -> ThrowFile:
-    from crankfem.files.sections.engine_sections import Engine
     from crankfem.files.study_file import study_plan
     from geometry.crankshaft import ShaftEnds
 
-    content, throws = _throws(read)
-    material = content.model("material", Material) or STEEL
-    content.model("engine", Engine)
-    first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
-    content.model("shaft_ends", ShaftEnds)
-    study_plan(content, throws, first, material)
-    return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
+    read = engine_sections(path)
+    with read.all_errors({"engine": Engine}):
+        content, throws = _throws(read)
+        material = content.model("material", Material) or STEEL
+        content.model("engine", Engine)
+        first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
+        content.model("shaft_ends", ShaftEnds)
+        study_plan(content, throws, first, material)
+        return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
 
 
 def load_crankshaft(path: str | Path | TomlFile) -> "Crankshaft":

@@ -269,10 +269,13 @@ def size_warnings(file: EngineFile) -> Iterator[str]:
     yield from warn("engine.stroke", engine.stroke, "m", STROKE, engine.stroke / bore)
     if not wrong_journal:
         yield from warn("throw.main_journal_diameter", journal, "m", JOURNAL, journal / bore)
+    # Cylinders of one bank stand on the first throw one behind the other.
+    banks = file.engine.bank_angles or (0.0,) * file.engine.cylinders
+    first = [round(bank, 6) for bank, throw in zip(banks, file.throws, strict=True) if throw == 0]
     yield from PITCH.warning(
         "throw",
         f"{amount(pitch, 'm', 5)} from one main bearing to the next",
-        pitch / bore / _cylinders_in_line(file),
+        pitch / bore / max(Counter(first).values()),
     )
     swept = 0.25 * math.pi * bore**2 * engine.stroke * 1e3  # [dm^3]
     for field, mass, usual in (
@@ -342,10 +345,3 @@ def _absolute(usual: UsualRange, field: str, pressure: float, ratio: float) -> I
     absolute = amount(pressure + ATMOSPHERE, "Pa", 3)
     for sentence in usual.warning(field, f"given {amount(pressure, 'Pa', 5)}", ratio):
         yield f"{sentence}; perhaps the pressure above ambient, {absolute} absolute"
-
-
-def _cylinders_in_line(file: EngineFile) -> int:
-    """Return the cylinders of one bank that the first throw carries, one behind the other."""
-    banks = file.engine.bank_angles or (0.0,) * file.engine.cylinders
-    first = [round(bank, 6) for bank, throw in zip(banks, file.throws, strict=True) if throw == 0]
-    return max(Counter(first).values())

@@ -14,7 +14,6 @@ import numpy as np
 from crankbase.diagrams import REPRODUCIBLE, plain_text
 from crankbase.errors import InputError
 from crankbase.outputs import atomic_file, write_errors
-from geometry.parts import ThrowParts
 from geometry.plots.dimension_lines import (
     CENTER,
     EDGE,
@@ -150,7 +149,13 @@ def draw_throw(throw: CrankThrow, title: str = "", lettered: bool = False) -> "F
     from matplotlib.figure import Figure
 
     parts = throw.parts
-    scale = _scale(parts)
+    outlines = np.vstack([silhouette(web) for web in parts.webs if web.end > web.start])
+    width, height = np.ptp(outlines, axis=0)
+    on_paper = (
+        (parts.length + width) / (LARGEST_BODY[0] * POINT_ON_PAPER),
+        height / (LARGEST_BODY[1] * POINT_ON_PAPER),
+    )
+    scale = next((scale for scale in SCALES if scale >= max(on_paper)), max(on_paper))
     point = scale * POINT_ON_PAPER
     figure = Figure(facecolor="white")
     FigureCanvasAgg(figure)
@@ -214,16 +219,6 @@ def check_drawing_ending(path: Path) -> str:
             f"{', '.join(ENDINGS)}."
         )
     return ending
-
-
-def _scale(parts: ThrowParts) -> float:
-    outlines = np.vstack([silhouette(web) for web in parts.webs if web.end > web.start])
-    width, height = np.ptp(outlines, axis=0)
-    on_paper = (
-        (parts.length + width) / (LARGEST_BODY[0] * POINT_ON_PAPER),
-        height / (LARGEST_BODY[1] * POINT_ON_PAPER),
-    )
-    return next((scale for scale in SCALES if scale >= max(on_paper)), max(on_paper))
 
 
 def _lay_out(
