@@ -91,18 +91,25 @@ COMMANDS: dict[str, dict[str, tuple[str, ...]]] = {
 }
 
 
-def _places() -> Iterator[tuple[str, tuple[str, str, tuple[str, ...]]]]:
-    """Name, and group, place and examples of each command; those of satellites follow the one they name."""
-    for group, commands in COMMANDS.items():
-        for place, examples in commands.items():
-            name = called(place)
-            yield name, (group, f"crankfem.cli.commands.{place}", examples)
-            for plug in plugs():
-                if plug.after == name:
-                    yield called(plug.command), (group, plug.command, plug.examples)
+# Group, place and examples of each command of the core.
+CORE = {
+    called(place): (group, f"crankfem.cli.commands.{place}", examples)
+    for group, commands in COMMANDS.items()
+    for place, examples in commands.items()
+}
 
 
-PLACES = dict(_places())
+@cache
+def places() -> dict[str, tuple[str, str, tuple[str, ...]]]:
+    """Group, place and examples of each command; those of satellites follow the one they name."""
+    every = {}
+    for name, of_core in CORE.items():
+        every[name] = of_core
+        for plug in plugs():
+            if plug.after == name:
+                every[called(plug.command)] = of_core[0], plug.command, plug.examples
+    return every
+
 
 # What typer says of a wrong option, in words for people.
 TYPERS_WORDS = {
@@ -131,7 +138,7 @@ class OptionsOnce(TyperCommand):
 
 @cache
 def _command(name: str) -> Any:
-    group, place, examples = PLACES[name]
+    group, place, examples = (CORE if name in CORE else places())[name]
     # Brackets and the like in examples are text, not markup.
     lines = (f"crankfem {example}".replace("[", r"\[") for example in examples)
     epilog = "Example: " + "\n\n".join(lines)
@@ -149,11 +156,11 @@ class LoadedOnDemand(Mapping[str, Any]):
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names."""
-        return iter(PLACES)
+        return iter(places())
 
     def __len__(self) -> int:
         """Count the commands."""
-        return len(PLACES)
+        return len(places())
 
 
 class Commands(TyperGroup):

@@ -30,7 +30,6 @@ from crankfem.jobs.exit_codes import (
     TRACEBACK,
     describe_error,
 )
-from crankfem.jobs.outputs import write_rows
 from regression.records import Outcome
 
 if TYPE_CHECKING:
@@ -408,5 +407,7 @@ def parse_pairs(
 
 def write_columns(path: Path, columns: "Mapping[str, FloatArray]", heading: str = "") -> None:
     """Write columns of equal length to 12 digits, units in their names; see `write_rows`."""
+    from crankfem.jobs.outputs import write_rows  # here: most commands write no table
+
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     write_rows(path, list(columns), ([f"{value:.12g}" for value in row] for row in rows), heading)

@@ -10,7 +10,7 @@ from random import Random
 from fault_tools import Bench, Finding, command
 from study_tools import ROOT, environment
 
-from crankfem.files.reading.data_files import KINDS, data_folder
+from crankfem.files.reading.data_files import data_folder, input_kinds
 from crankfem.files.satellites import satellite_files
 
 # A window title, hidden text, a C1 sequence, and text written backwards; and as TOML writes them.
@@ -32,7 +32,9 @@ for file in sys.argv[1:]:
 """
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 WIDEST = 40
-FILES = sorted(path for kind in KINDS for path in (data_folder() / f"{kind}s").glob("*.toml"))
+FILES = sorted(
+    path for kind in input_kinds() for path in (data_folder() / f"{kind}s").glob("*.toml")
+)
 # Of first columns, which lists leave out.
 HEADS = {
     "bearing",

@@ -110,7 +110,7 @@ ASSIGNED = (
 
 
 def _examples() -> list[list[str]]:
-    listed = [examples for _, _, examples in cli.PLACES.values()]
+    listed = [examples for _, _, examples in cli.places().values()]
     return [shlex.split(text) for examples in listed for text in examples] + [
         shlex.split(text)
         for text in (

@@ -116,6 +116,19 @@ def test_a_lookup_loads_nothing_heavy(spawn, path, asked):
     assert answer.out.splitlines()[-1] == "[]", answer.err
 
 
+@pytest.mark.slow
+def test_a_lookup_by_dimensions_loads_few_modules(spawn, path):
+    ours = ("crankfem", "crankbase", "regression", "dynamics", "fem", "geometry")
+    code = (
+        "import sys; from crankfem.cli.entry import main; main(); "
+        f"print(sum(n.partition('.')[0] in {ours} for n in sys.modules))"
+    )
+    command = [sys.executable, "-c", code, "lookup"]
+    asked = ("m.json", "web_width=285mm", "web_thickness=68mm")
+    answer = spawn(*asked, command=command, folder=path.parent)
+    assert int(answer.out.splitlines()[-1]) <= 60, answer.err
+
+
 @pytest.fixture
 def run():
     app = typer.Typer()

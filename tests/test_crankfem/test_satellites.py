@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from crankfem.cli.app import PLACES
+from crankfem.cli.app import places
 from crankfem.files.satellites import SATELLITES, called, plugs
 
 # No satellite is in the table, and none can be imported.
@@ -45,7 +45,7 @@ def test_the_core_works_alone(core, line):
 
 
 def test_commands_of_satellites_are_listed():
-    assert {called(plug.command) for plug in plugs()} <= PLACES.keys()
+    assert {called(plug.command) for plug in plugs()} <= places().keys()
 
 
 def test_a_plug_loads_nothing_of_its_satellite(spawn):

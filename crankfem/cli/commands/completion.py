@@ -9,7 +9,7 @@ from pathlib import Path
 import typer
 
 from crankbase.input_file import STEP_ENDINGS
-from crankfem.files.reading.data_files import KINDS, shipped_names, shipped_torques
+from crankfem.files.reading.data_files import shipped_names, shipped_torques
 
 # Typer tells these functions apart by the names of their arguments.
 Completion = Callable[[str], list[str]]
@@ -51,8 +51,8 @@ engines = files(".toml", shipped=("engine",))
 engines_and_parts = files(".toml", *STEP_ENDINGS, shipped=("engine",))
 engines_and_chains = files(".toml", ".txt", shipped=("engine", "chain"))
 engines_and_tables = files(".toml", ".csv", shipped=("engine",), further=shipped_torques)
-any_input = files(".toml", ".txt", shipped=KINDS)
-shipped = files(shipped=KINDS)
+any_input = files(".toml", ".txt", further=shipped_names)
+shipped = files(further=shipped_names)
 
 
 def sections(incomplete: str) -> list[str]:

@@ -12,7 +12,7 @@ from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json, print_table
-from crankfem.files.reading.data_files import KINDS
+from crankfem.files.reading.data_files import input_kinds
 from crankfem.files.satellites import satellite_files
 
 
@@ -80,7 +80,7 @@ def new(
         typer.Option(
             "--from",
             metavar="NAME",
-            help=f"Copy this shipped {', '.join(KINDS[:-1])} or chain in place of the template.",
+            help=f"Copy this shipped {', '.join(input_kinds()[:-1])} or chain in place of the template.",
             autocompletion=completion.shipped,
         ),
     ] = None,

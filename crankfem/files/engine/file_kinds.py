@@ -8,7 +8,7 @@ from pathlib import Path
 from crankbase.errors import InputError
 from crankbase.input_file import LOOKED_AT
 from crankbase.model import InputModel
-from crankfem.files.reading.data_files import KINDS, input_path, shipped_names
+from crankfem.files.reading.data_files import input_kinds, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
 from crankfem.files.satellites import at_place, satellite_files
 
@@ -139,7 +139,7 @@ def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> 
 def any_sections(file: str) -> TomlFile | None:
     """Return the sections of any file of input, or of a shipped one; None if it is the text of a chain."""
     name = Path(file).name.removesuffix(".toml")
-    kinds = [kind for kind in KINDS if kind != "engine" and name in shipped_names(kind)]
+    kinds = [kind for kind in input_kinds() if kind != "engine" and name in shipped_names(kind)]
     path = input_path(file, *kinds[:1])
     return read_toml(path) if path.suffix.lower() == ".toml" or _has_sections(path) else None
 
@@ -166,7 +166,7 @@ class ShippedFile:
 def shipped_files() -> tuple[ShippedFile, ...]:
     """Return all shipped files, engines first."""
     shipped = []
-    for path in (input_path(name, kind) for kind in KINDS for name in shipped_names(kind)):
+    for path in (input_path(name, kind) for kind in input_kinds() for name in shipped_names(kind)):
         words = []
         for line in path.read_text(encoding="utf-8").splitlines():
             if not line.startswith("#") or line.startswith("#  "):

@@ -13,9 +13,6 @@ from crankbase.errors import InputError, quoted
 from crankbase.input_file import InputFile, not_a_file
 from crankfem.files.satellites import satellite_files
 
-# Kinds of input of which files are shipped.
-KINDS = ("engine", *satellite_files(), "chain")
-
 # By path, text and content of the files that a command has read.
 FILES_READ: ContextVar[dict[Path, tuple[str, dict[str, Any]]] | None] = ContextVar(
     "read", default=None
@@ -39,11 +36,16 @@ def data_folder() -> Path:
     return inside if inside.is_dir() else here.parent / "data"
 
 
+def input_kinds() -> tuple[str, ...]:
+    """Return the kinds of input of which files are shipped."""
+    return ("engine", *satellite_files(), "chain")
+
+
 def shipped_names(*kinds: str) -> tuple[str, ...]:
     """Return the names of the shipped files of some kinds, or of all."""
     return tuple(
         name
-        for kind in kinds or KINDS
+        for kind in kinds or input_kinds()
         for name in sorted(path.stem for path in (data_folder() / f"{kind}s").glob("*.toml"))
     )
 
@@ -72,7 +74,7 @@ def input_path(file: str | Path, kind: str = "engine") -> Path:
         fault = f"{file}: cannot be searched for; the system reports: {error.strerror}"
     others = [
         folder_kind
-        for folder_kind in KINDS
+        for folder_kind in input_kinds()
         if folder_kind != kind and path.name in shipped_names(folder_kind)
     ]
     if others:
