@@ -40,6 +40,7 @@ _METRIC = {
     "bar": ("bar", "k m"),
     "J": ("joule", "M k m"),
     "W": ("watt", "M k"),
+    "VA": ("volt_ampere", "M k"),
     "s": ("second", "m u"),
     "Hz": ("hertz", "k"),
     "rad": ("radian", "m u"),
@@ -189,7 +190,6 @@ _AMBIGUOUS = {
     "kgs": "write kg (mass) or kgf (force), whichever is meant",
     "кгсм": "write кгс м or кгс см, whichever is meant",
     "BTDC ATDC bTDC aTDC btdc atdc": "write deg, with the sign that the meaning of the field says",
-    "VA kVA MVA": "write the power in kW, which is that in kVA times the power factor",
     "GD2 WR2 WK2": "write a moment of inertia in kg m^2, which is G D^2 / 4",
 }
 # Signs of units that are in use for others, too.
@@ -439,6 +439,8 @@ class OtherKindError(ValueError):
 PER_TURN = ("rad/s", "Hz")
 # Units of temperature whose zero is none: their size and their zero in K.
 _ZEROS = {"degree_Celsius": (1.0, 273.15), "degree_Fahrenheit": (5.0 / 9.0, 459.67 * 5.0 / 9.0)}
+# Units of power that only a base of values per unit is given in: engines have a power factor of their own.
+_APPARENT = {"volt_ampere", "kilovolt_ampere", "megavolt_ampere"}
 # Units of time that count turns: a damping of 1 N m/(1/min) is not one of 60 N m s.
 _COUNTING = {"minute", "hour", "hertz", "kilohertz", "cycles_per_second", "cycles_per_minute"}
 
@@ -452,7 +454,7 @@ def size_in(text: str, unit: str) -> tuple[float, float]:
     Raises
     ------
     NoUnitError
-        If the text is no unit.
+        If the text is no unit, or one of apparent power where power is wanted.
     OtherKindError
         If it is of another kind.
 
@@ -463,6 +465,10 @@ def size_in(text: str, unit: str) -> tuple[float, float]:
     """
     for weights in (False, True):
         source = _unit(text, weights)
+        if unit != "VA" and not source.names.isdisjoint(_APPARENT):
+            raise NoUnitError(
+                text, "write the power in kW, which is that in kVA times the power factor"
+            )
         if unit == "K" and len(source.names) == 1 and not source.names.isdisjoint(_ZEROS):
             return _ZEROS[next(iter(source.names))]
         if (size := _size(source, unit)) is not None:

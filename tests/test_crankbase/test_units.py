@@ -276,6 +276,11 @@ SPELLINGS = {
         DEG / LBF / FT: "deg/(ft lbf)",
     },
 }
+# A base of values per unit is an apparent power; no other field takes one.
+SPELLINGS["VA"] = SPELLINGS["W"] | {
+    size: f"{SPELLINGS['W'][size]} | {unit}"
+    for size, unit in ((1, "VA"), (1e3, "kVA"), (1e6, "MVA"))
+}
 # Temperatures with a zero of their own: 20 of each [K].
 TEMPERATURES = {
     293.15: "degC | deg C | degrees C | deg. C | °C | ° C | ℃ | C | celsius | Celsius | °С",
@@ -287,7 +292,7 @@ REFUSED = """
     ton tons kt kgs bhp shp mhp ihp grad Grad град grads кгсм T S Mm mPa mW NM KN KW Kg Mpa KPa HZ hz
     Mhz KNm kNM Kgm2 bar(g) barg bar_g barü bar(ü) bar_gauge BAR psig psi(g) psi_g atü atu ати kgf/cm2_g
     kg/cm2(g) kPa(g) kPag MPaG MPa(g) % ‰ ppm dB ' " ″ ′ # $ € ? m^0 kg^0 mmm xyz furlong smoot parsek
-    VA kVA MVA 1_mm 1.0_mm mm_1 mm/1 1/1_mm 1_1/min 1_N 1_kg 1_N_m/rad
+    1_mm 1.0_mm mm_1 mm/1 1/1_mm 1_1/min 1_N 1_kg 1_N_m/rad
     ohm A V mol cd eV Bq baud bit nan inf e5 x 2m kgf_m2 kgf·m² kp_m2 kpm2 кгс·м² Nm2 N_m2 GD2 lbf_ft2
     BTDC deg_BTDC deg_ATDC N_m/rad/s N/m/s rad/N_m N_m_min N_m/(1/min) N_m/Hz rad^2 deg2/s 1/min^2
     rad/s2 mm²/s Nm/rad2 m//s m/ (m ** °C/s N_m/degC K/W degC_m 1/K -1 +mm mm-mm2- 10^3_N ·10³_Nm e

@@ -18,7 +18,7 @@ class PerUnitBase(InputModel):
 
     section: ClassVar[str] = "chain.base"
 
-    power: float = quantity_field("rated apparent power", "W", 1.0, 1e12)
+    power: float = quantity_field("rated apparent power", "VA", 1.0, 1e12)
     speed: float = quantity_field("rated speed", "rad/s", 0.1, 1e5)
     frequency: float = quantity_field("electrical frequency", "Hz", 1.0, 1e4)
 
