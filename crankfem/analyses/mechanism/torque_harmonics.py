@@ -333,7 +333,29 @@ class EngineHarmonics(FiredCylinders):
         )
         if self.cylinder is not None:
             for force in ("tangential", "radial"):
-                yield _pin_force_table(self.cylinder, force, self.strokes, units)
+                causes = self.cylinder.by_cause[force]
+                force_unit = table_unit(
+                    np.ravel([part.amplitude for part in causes.values()]), "N", units
+                )
+                mean = table_unit([part.mean for part in causes.values()], "N", units)
+                means = ", ".join(
+                    f"{cause} {mean.text(part.mean)}" for cause, part in causes.items()
+                )
+                columns, values = [Column("order", digits=None)], [causes["gas"].orders]
+                for cause, part in causes.items():
+                    columns += [
+                        force_unit.column(f"{cause} M_k"),
+                        Column(f"{cause} a_k", "deg", decimals=2),
+                    ]
+                    values += [part.amplitude, part.phase]
+                letter = {"tangential": "T", "radial": "Z"}[force]
+                top = "top" if self.strokes == 2 else "firing top"
+                angle = amount(math.radians(self.cylinder.firing_angle_deg), "rad")
+                title = units.written(
+                    f"Cylinder {self.cylinder.number}: {force} force {letter} on the crankpin, phases from "
+                    f"its {top} at {angle}; mean [{mean.name}]: {means}"
+                )
+                yield Table(title, columns, np.column_stack(values).tolist())
         yield from self.star_parts(hinged=self.hinged_rods)
 
     def rows(self) -> tuple[str, list[list[object]]]:
@@ -379,24 +401,3 @@ def engine_harmonics(
         remarks=remarks,
         cylinder=cylinder,
     )
-
-
-def _pin_force_table(
-    cylinder: PinForceHarmonics, force: str, strokes: int, units: OutputUnits
-) -> Table:
-    causes = cylinder.by_cause[force]
-    shown = table_unit(np.ravel([part.amplitude for part in causes.values()]), "N", units)
-    mean = table_unit([part.mean for part in causes.values()], "N", units)
-    means = ", ".join(f"{cause} {mean.text(part.mean)}" for cause, part in causes.items())
-    columns, values = [Column("order", digits=None)], [causes["gas"].orders]
-    for cause, part in causes.items():
-        columns += [shown.column(f"{cause} M_k"), Column(f"{cause} a_k", "deg", decimals=2)]
-        values += [part.amplitude, part.phase]
-    letter = {"tangential": "T", "radial": "Z"}[force]
-    top = "top" if strokes == 2 else "firing top"
-    angle = amount(math.radians(cylinder.firing_angle_deg), "rad")
-    title = units.written(
-        f"Cylinder {cylinder.number}: {force} force {letter} on the crankpin, phases from its {top} at "
-        f"{angle}; mean [{mean.name}]: {means}"
-    )
-    return Table(title, columns, np.column_stack(values).tolist())

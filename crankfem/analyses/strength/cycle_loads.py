@@ -110,7 +110,17 @@ def shaft_loads(vibration: EngineVibration) -> ShaftLoads:
     assert forced is not None
     kept, barred = judged_speeds(vibration)
     speeds = forced.response.speeds
-    largest = dict(_cases(vibration, speeds[kept]))
+    file, added = vibration.engine_file, superposition(vibration)
+    cases = () if vibration.misfiring is None else misfiring_cases(file)
+    cranks = added.chains.cranks
+    ends = cranks.chain.connections[: cranks.crank_elements]
+    beside = [[e for e, nodes in enumerate(ends) if node in nodes] for node in cranks.throw_nodes]
+    largest = {}
+    for case, series in added.at(speeds[kept], [(), *cases]):
+        torques = _amplitude(file, series["torsional"])
+        # Amplitudes of torque and axial force of each throw (S, n); of the elements next to it the larger.
+        larger = [np.max(torques[:, places], axis=1) for places in beside]
+        largest[case] = (np.stack(larger, axis=1), _amplitude(file, series["axial"]))
     normal, axial = largest.pop(())
     mean = np.abs(forced.forces.mean_torque[kept])[:, np.newaxis]
     worst: list[LargestLoad] = []
@@ -164,22 +174,6 @@ def superposition(vibration: EngineVibration) -> Superposition:
             "torsional": torsional.loads.elastic,
         },
     )
-
-
-def _cases(
-    vibration: EngineVibration, speeds: FloatArray
-) -> Iterator[tuple[Cylinders, tuple[FloatArray, FloatArray]]]:
-    """Return amplitudes of torque and axial force of each throw (S, n) in normal firing and each case."""
-    file, added = vibration.engine_file, superposition(vibration)
-    cases = () if vibration.misfiring is None else misfiring_cases(file)
-    cranks = added.chains.cranks
-    ends = cranks.chain.connections[: cranks.crank_elements]
-    beside = [[e for e, nodes in enumerate(ends) if node in nodes] for node in cranks.throw_nodes]
-    for case, series in added.at(speeds, [(), *cases]):
-        torques = _amplitude(file, series["torsional"])
-        # Of a throw, the larger of the elements next to it.
-        larger = [np.max(torques[:, places], axis=1) for places in beside]
-        yield case, (np.stack(larger, axis=1), _amplitude(file, series["axial"]))
 
 
 def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:

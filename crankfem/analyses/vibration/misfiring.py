@@ -537,7 +537,17 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
         cases=cases,
         missing_share=1.0 if misfire is None else misfire.missing_share,
         compression=misfire is None or misfire.compression,
-        checks=tuple(sorted(checks, key=_rank)),
+        # Limits before what has none, and first what normal firing keeps and misfiring exceeds.
+        checks=tuple(
+            sorted(
+                checks,
+                key=lambda check: (
+                    check.limit is None,
+                    check.new is None or not check.normal_keeps,
+                    -check.misfiring.used,
+                ),
+            )
+        ),
         exceeded=failing,
         remaining=_between(_joined(sorted((*failing, *normal))), running),
         running_range=running,
@@ -579,12 +589,6 @@ def _crossings(
         first, row = np.argmax(changed, axis=1), np.arange(len(low))
         low, high = bounds[row, first], bounds[row, first + 1]
     return dict(zip(places.tolist(), (0.5 * (low + high)).tolist(), strict=True))
-
-
-def _rank(check: FiringCheck) -> tuple[bool, bool, float]:
-    """Rank limits before what has none, and what normal firing keeps and misfiring exceeds first."""
-    broken = check.new is not None and check.normal_keeps
-    return check.limit is None, not broken, -check.misfiring.used
 
 
 def _new(

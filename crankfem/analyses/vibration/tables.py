@@ -342,6 +342,10 @@ def misfiring_table(misfiring: Misfiring, units: OutputUnits = SI) -> Table:
             return None
         return _in_its_unit(reached.permitted, check.unit, units, 3)
 
+    def share(row: tuple[FiringCheck, Reached, str]) -> float | None:
+        used = row[1].used_share
+        return None if used is None or math.isinf(used) else used
+
     return Table.of_records(
         "All cylinders firing and the worst case of misfiring: at running speeds the largest use of each "
         "limit, without a limit the largest amplitude",
@@ -361,14 +365,9 @@ def misfiring_table(misfiring: Misfiring, units: OutputUnits = SI) -> Table:
             lambda row: _in_its_unit(row[1].value, row[0].unit, units, 3),
         ),
         (Column("permitted", missing="-"), permitted),
-        (Column("used", "%", 3, missing="-"), lambda row: _used(row[1])),
+        (Column("used", "%", 3, missing="-"), share),
         mark=lambda row: "over" if row[1].used > 1.0 else "",
     )
-
-
-def _used(reached: Reached) -> float | None:
-    used = reached.used_share
-    return None if used is None or math.isinf(used) else used
 
 
 def whole_table(whole: WholeVibration) -> Table:

@@ -156,7 +156,14 @@ def _link(where: str, columns: list[str], units: dict[str, str], above: str | No
         elif word == "to":
             link.right = rest
         elif word in ("loss", "gear"):
-            link.values[word] = _number(f"{where}: {word}", rest)
+            try:
+                ratio = float(rest)
+            except ValueError:
+                raise InputError(
+                    f"{where}: {word}: given {rest!r}; allowed is a number without a unit, because it is a "
+                    "ratio."
+                ) from None
+            link.values[word] = parse_quantity(ratio, "", f"{where}: {word}")
         elif word is not None:
             unit = units["inertia" if word == "inertia" else "damping"]
             link.values[word] = parse_quantity(rest, unit, f"{where}: {word}")
@@ -175,17 +182,6 @@ def _link(where: str, columns: list[str], units: dict[str, str], above: str | No
             "damping or loss), a dashpot or a gear alone, because each is a link of its own."
         )
     return link
-
-
-def _number(name: str, text: str) -> float:
-    try:
-        return parse_quantity(float(text), "", name)
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{name}: given {text!r}; allowed is a number without a unit, because it is a ratio."
-        ) from None
 
 
 def _chain(nodes: dict[str, dict[str, float]], links: list[_Link]) -> Chain:

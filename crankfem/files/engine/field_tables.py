@@ -103,12 +103,7 @@ def _row(name: str, info: FieldInfo) -> FieldRow:
     meaning = (info.description or "") + (f" ({symbol})" if symbol else "")
     if is_inertia(info):
         meaning += f"; or {gd2_name(name)}, its GD2"
-    return FieldRow(name, shown, _allowed(info), meaning)
-
-
-def _allowed(info: FieldInfo) -> str:
-    unit, low, high = (field_extra(info, key) for key in ("unit", "minimum_si", "maximum_si"))
-    allowed = ""
+    low, high, allowed = field_extra(info, "minimum_si"), field_extra(info, "maximum_si"), ""
     if unit is not None and low is not None and high is not None:
         allowed = f"{_limit(low, unit)} to {_limit(high, unit)}"
     choices = [
@@ -124,7 +119,7 @@ def _allowed(info: FieldInfo) -> str:
             format_quantity(default, unit) if unit and isinstance(default, float) else f"{default}"
         )
         allowed += f"{', ' if allowed else ''}default {text}"
-    return allowed
+    return FieldRow(name, shown, allowed, meaning)
 
 
 def _limit(value: float, unit: str) -> str:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -296,15 +296,21 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
     steps = engine.firing_intervals_deg
     if engine.driven_by or max(steps) - min(steps) < np.degrees(EVEN):
         return FiringEvenness()
-    together = tuple(_together(engine))
+    order = engine.top_order
+    together = tuple(
+        f"engine.firing_order: cylinders {order[place]} and {order[(place + 1) % len(order)]} fire at the "
+        "same time"
+        for place, step in enumerate(steps)
+        if step < np.degrees(EVEN)
+    )
     uneven = intervals_text(steps)
     even = even_firing_order(engine.firing_angles, engine.strokes)
-    order = "-".join(map(str, engine.top_order))
+    given_order = "-".join(map(str, order))
     if even is not None:
         every = sum(steps) / len(steps)
         better = (
-            f"engine.firing_order: given {order}, which fires at uneven intervals of {uneven}; an order such "
-            f"as {'-'.join(map(str, even))} fires every {angle(every)} with the same cranks"
+            f"engine.firing_order: given {given_order}, which fires at uneven intervals of {uneven}; an "
+            f"order such as {'-'.join(map(str, even))} fires every {angle(every)} with the same cranks"
         )
         return FiringEvenness((*together, better))
     banked = engine.bank_angles is not None
@@ -318,7 +324,7 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
         at = intervals_text([float(np.degrees(angle)) for angle in best[1]])
         fires += f", and the least uneven is such as {such} at {at}"
         if engine.cylinders > 2 and spread > MUCH * least:
-            return FiringEvenness((*together, f"engine.firing_order: given {order}; {fires}"))
+            return FiringEvenness((*together, f"engine.firing_order: given {given_order}; {fires}"))
     elif best is not None:
         fires += ", or less uneven than this one"
     uneven = f"engine.crank_angles: {fires}"
@@ -348,15 +354,6 @@ def intervals_text(intervals_deg: Sequence[float]) -> str:
     repeated = repeating_intervals(intervals_deg)
     again = " in turn" if 1 < len(repeated) < len(intervals_deg) else ""
     return f"{listed(np.radians(np.round(repeated, 1)).tolist(), 'rad')}{again}"
-
-
-def _together(engine: Engine) -> Iterator[str]:
-    """Name cylinders that fire at the same angle."""
-    order = engine.top_order
-    for place, step in enumerate(engine.firing_intervals_deg):
-        if step < np.degrees(EVEN):
-            number, following = order[place], order[(place + 1) % len(order)]
-            yield f"engine.firing_order: cylinders {number} and {following} fire at the same time"
 
 
 def _alone(engine: Engine) -> str:

@@ -237,20 +237,13 @@ def _without_effect(
     if command.endswith("--shaft") and "throw_angles" in fields.get("shaft", ()):
         yield "engine.crank_angles"
     if command.startswith("mechanism"):
-        yield from _without_unbalance(content)
-
-
-def _without_unbalance(content: TomlFile) -> Iterator[str]:
-    """Fields about parts of throws that are round about the shaft, which have no unbalance.
-
-    A bore that reaches the pin ends there.
-    """
-    for name, throw in read_throws(engine_sections(content)).items():
-        section = name if name == PLAIN else f"throws.{name}"
-        yield f"{section}.main_journal_fillet_radius"
-        nearest = min(math.hypot(*pin.axis) - pin.radius for pin in throw.parts.pins)
-        if throw.main_journal_bore_offset == 0.0 and 0.5 * throw.main_journal_bore < nearest:
-            yield f"{section}.main_journal_bore"
+        # What is round about the shaft has no unbalance; a bore that reaches the pin ends there.
+        for name, throw in read_throws(engine_sections(content)).items():
+            section = name if name == PLAIN else f"throws.{name}"
+            yield f"{section}.main_journal_fillet_radius"
+            nearest = min(math.hypot(*pin.axis) - pin.radius for pin in throw.parts.pins)
+            if throw.main_journal_bore_offset == 0.0 and 0.5 * throw.main_journal_bore < nearest:
+                yield f"{section}.main_journal_bore"
 
 
 def _of_map(values: Mapping[str, Any] | None) -> Iterator[str]:

@@ -17,7 +17,7 @@ from dynamics.gas.pressure import (
     cylinder_volume,
     periodic_slope,
 )
-from dynamics.harmonics import TorqueTable, read_torque_table
+from dynamics.harmonics import read_torque_table
 
 EXPONENT = Practice(
     1.25, 1.4, "has a compression line with {} for exponent", "in p V^n", margin=1.06
@@ -37,7 +37,26 @@ def table_warnings(scale: EngineScale) -> Iterator[str]:
         yield from pressure_warnings(file.pressure[0], file.layout, file.gas.compression_ratio)
     if file.torque_table is not None:
         table = read_torque_table(file.torque_table, strokes=file.engine.strokes)
-        yield from _torque_warnings(table, scale)
+        # A table is compared with the torque of a throw at the rated point.
+        layout, pressure = scale.file.layout, scale.file.pressure
+        field, mean = "torque.table", float(table.torque.mean())
+        sense = -1.0 if scale.file.engine.driven_by else 1.0
+        usual = sense * scale.torque / len(scale.file.crank_throws)
+        for sentence in MEAN_TORQUE.warning_of(field, mean, "N m", mean / usual):
+            yield sentence + (
+                "; perhaps sign or order of the samples" if mean * usual < 0.0 else ""
+            )
+        if pressure and len(layout.cylinders) == len(scale.file.crank_throws):
+            torque = cylinder_torque(scale, layout, pressure[0], table.torque.size)
+            along, against = (
+                _likeness(torque, samples) for samples in (table.torque, table.torque[::-1])
+            )
+            if against > along:
+                yield (
+                    f"{field}: in the order given its samples correlate by {along:.2g} with the torque of a "
+                    f"throw at rated speed, in the reverse order by {against:.2g}; perhaps the angles "
+                    "are in reverse order"
+                )
 
 
 def pressure_warnings(
@@ -70,27 +89,6 @@ def pressure_warnings(
                 f"{field}: the pressure at {angle(at[int(np.argmin(falls))], 4)} is {falls.min():.3g} times "
                 f"that farther from the peak; usual is at least {1.0 - DROPOUT:g} times ({EXPONENT.basis}); "
                 "perhaps a dropout"
-            )
-
-
-def _torque_warnings(table: TorqueTable, scale: EngineScale) -> Iterator[str]:
-    """Compare a table with the torque of a throw at the rated point."""
-    layout, pressure = scale.file.layout, scale.file.pressure
-    field, mean = "torque.table", float(table.torque.mean())
-    sense = -1.0 if scale.file.engine.driven_by else 1.0
-    usual = sense * scale.torque / len(scale.file.crank_throws)
-    for sentence in MEAN_TORQUE.warning_of(field, mean, "N m", mean / usual):
-        yield sentence + ("; perhaps sign or order of the samples" if mean * usual < 0.0 else "")
-    if pressure and len(layout.cylinders) == len(scale.file.crank_throws):
-        torque = cylinder_torque(scale, layout, pressure[0], table.torque.size)
-        along, against = (
-            _likeness(torque, samples) for samples in (table.torque, table.torque[::-1])
-        )
-        if against > along:
-            yield (
-                f"{field}: in the order given its samples correlate by {along:.2g} with the torque of a "
-                f"throw at rated speed, in the reverse order by {against:.2g}; perhaps the angles "
-                "are in reverse order"
             )
 
 

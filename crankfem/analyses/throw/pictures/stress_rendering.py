@@ -301,7 +301,17 @@ def _compose(
             write(view.name, left + 0.5 * across, 0.28, ha="center", color=QUIET)
             for mark, symbol in zip(view.marks, SYMBOLS, strict=False):
                 if mark is not None:
-                    _mark(axes, mark, symbol)
+                    # A ring or a square hides nothing.
+                    for color, stroke in (("white", 4.0), ("#0b57d0", 1.8)):
+                        axes.plot(
+                            *mark,
+                            symbol,
+                            markersize=15,
+                            markerfacecolor="none",
+                            markeredgecolor=color,
+                            markeredgewidth=stroke,
+                            clip_on=False,
+                        )
             left += across + gap
         axes = axes_at(left, bottom + 0.12 * VIEWS_HEIGHT, 0.22, 0.72 * VIEWS_HEIGHT)
         colors = ScalarMappable(Normalize(0.0, limit), _colormap())
@@ -313,17 +323,3 @@ def _compose(
         write(title, side, height - 0.36, fontsize=14, fontweight="bold", color=TEXT_COLOR)
         write(remark, side, height - 0.70, color=TEXT_COLOR, linespacing=1.5)
         figure.savefig(path)
-
-
-def _mark(axes: Any, place: tuple[float, float], symbol: str) -> None:
-    """Mark a position with a ring or square that hides nothing."""
-    for color, width in (("white", 4.0), ("#0b57d0", 1.8)):
-        axes.plot(
-            *place,
-            symbol,
-            markersize=15,
-            markerfacecolor="none",
-            markeredgecolor=color,
-            markeredgewidth=width,
-            clip_on=False,
-        )
