@@ -296,9 +296,25 @@ def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> 
     resonances, this gives the speed to 1/512 of it and the value, as a peak is round, to 1e-6.
     """
     values = uses_at(speeds)
-    curves, tops = _maxima(values, least)
-    if not curves.size:
+    chosen = set()
+    for curve, uses in enumerate(values):
+        beside = np.concatenate(([-1.0], uses, [-1.0]))
+        highs = np.flatnonzero((uses > beside[:-2]) & (uses >= beside[2:]) & (uses > 0.0))
+        largest = np.max(uses, initial=0.0)
+        chosen |= {
+            (curve, high) for high in highs.tolist() if uses[high] >= NEARLY_LARGEST * largest
+        }
+        # Ranges without a gap above the least value, numbered by the steps up to it.
+        runs = np.cumsum(np.diff(uses > least, prepend=False))
+        exceeding = highs[uses[highs] > least]
+        for run in np.unique(runs[exceeding]):
+            inside = exceeding[runs[exceeding] == run]
+            chosen |= {(curve, int(inside[0])), (curve, int(inside[-1]))}
+    # An unbounded maximum needs no refinement.
+    bounded = sorted(pair for pair in chosen if np.isfinite(values[pair]))
+    if not bounded:
         return np.empty(0)
+    curves, tops = np.array(bounded, dtype=np.intp).T
     none = np.full(curves.size, -1.0)
     best = speeds[tops]
     left = speeds[np.maximum(tops - 1, 0)]
@@ -321,22 +337,3 @@ def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> 
         right = np.min(np.where(above, every, np.inf), axis=1)
         right = np.where(np.isfinite(right), right, best)
     return np.asarray(np.unique(best))
-
-
-def _maxima(values: FloatArray, least: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return curve and index of each maximum to be refined; an unbounded one needs no refinement."""
-    chosen = set()
-    for curve, uses in enumerate(values):
-        beside = np.concatenate(([-1.0], uses, [-1.0]))
-        tops = np.flatnonzero((uses > beside[:-2]) & (uses >= beside[2:]) & (uses > 0.0))
-        largest = np.max(uses, initial=0.0)
-        chosen |= {(curve, top) for top in tops.tolist() if uses[top] >= NEARLY_LARGEST * largest}
-        # Ranges without a gap above the least value, numbered by the steps up to it.
-        runs = np.cumsum(np.diff(uses > least, prepend=False))
-        exceeding = tops[uses[tops] > least]
-        for run in np.unique(runs[exceeding]):
-            inside = exceeding[runs[exceeding] == run]
-            chosen |= {(curve, int(inside[0])), (curve, int(inside[-1]))}
-    bounded = sorted(pair for pair in chosen if np.isfinite(values[pair]))
-    pairs = np.array(bounded, dtype=np.intp).reshape(-1, 2)
-    return pairs[:, 0], pairs[:, 1]

@@ -151,8 +151,13 @@ class Variation(InputModel):
         shape = tuple(len(points) for points in axes.values())
         for name in ("stiffness", "loss_factor", "damping"):
             values = getattr(self, name)
+            if values is None:
+                continue
             least = 1e-6 if name == "stiffness" else 0.0
-            if values is not None and (_shape(values) != shape or np.min(values) < least):
+            # None if its rows differ.
+            lengths = {len(row) if isinstance(row, tuple) else 0 for row in values}
+            table = (len(values), *(lengths - {0})) if len(lengths) == 1 else None
+            if table != shape or np.min(values) < least:
                 raise InputError(
                     f"variation.{name}: given {list(values)} at {' x '.join(map(str, shape))} points; "
                     f"allowed is one of {least:g} or more at each, because it is that of a passive spring."
@@ -199,12 +204,6 @@ class Variation(InputModel):
 AXES = ("frequency", "speed", "torque", "temperature", "amplitude")
 # So many in one table.
 MOST_AXES = 2
-
-
-def _shape(values: Table) -> tuple[int, ...]:
-    """Return the shape of a table, () if its rows differ."""
-    rows = {len(row) if isinstance(row, tuple) else 0 for row in values}
-    return (len(values), *(rows - {0})) if len(rows) == 1 else ()
 
 
 @dataclass(frozen=True)

@@ -239,18 +239,32 @@ def gas_pressure(
     degrees = checked_degrees("angles_deg", angles_deg, vector=True)
     values = positive_vector("pressure", pressure, "Pa", "it is absolute pressure")
     _check_samples(degrees, values, cycle)
-    even = is_even_cycle(degrees, cycle)
-    places, values, remark = (
-        _even_angles_in_cycle(degrees, values, cycle)
-        if even
-        else _resampled(degrees, values, cycle)
-    )
+    if is_even_cycle(degrees, cycle):
+        step = cycle / degrees.size
+        number = math.floor(degrees[0] / step + 1e-9)
+        first = max(float(degrees[0]) - number * step, 0.0)
+        moved = float(np.max(np.abs(degrees - degrees[0] - step * np.arange(degrees.size))))
+        if moved > SILENT_SHIFT:
+            remark = f"Angles were moved by up to {angle(moved, 2)} to their even places."
+            remarks = (*remarks, remark)
+        places = first + step * np.arange(degrees.size)
+        values = np.roll(values, number)
+    else:
+        count = even_count(degrees, cycle)
+        step = cycle / count
+        remark = (
+            f"The {degrees.size} uneven samples were replaced by {count} even ones in steps of "
+            f"{angle(step, 4)} on a shape-preserving cubic curve through them."
+        )
+        remarks = (*remarks, remark)
+        # One of the even samples is on the highest one.
+        first = float(np.mod(degrees[int(np.argmax(values))], step))
+        places = first + step * np.arange(count, dtype=np.float64)
+        folded = degrees[0] + np.mod(places - degrees[0], cycle)
+        curve = _periodic_curve(degrees, values, cycle)
+        values = np.asarray(curve(folded), dtype=np.float64)
     return GasPressure(
-        angles_deg=places,
-        pressure=values,
-        strokes=int(strokes),
-        source=source,
-        remarks=remarks + ((remark,) if remark else ()),
+        angles_deg=places, pressure=values, strokes=int(strokes), source=source, remarks=remarks
     )
 
 
@@ -297,36 +311,6 @@ def _check_samples(angles: FloatArray, values: FloatArray, cycle: float) -> None
             f"angles_deg: given no sample for {gap:g} deg before {angles[index]:g} deg; allowed are "
             f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the pressure's rise."
         )
-
-
-def _even_angles_in_cycle(
-    angles: FloatArray, values: FloatArray, cycle: float
-) -> tuple[FloatArray, FloatArray, str]:
-    """Return even angles [deg] within the cycle for angles that are even but for rounding."""
-    step = cycle / angles.size
-    number = math.floor(angles[0] / step + 1e-9)
-    offset = max(float(angles[0]) - number * step, 0.0)
-    moved = float(np.max(np.abs(angles - angles[0] - step * np.arange(angles.size))))
-    remark = f"Angles were moved by up to {angle(moved, 2)} to their even places."
-    places = offset + step * np.arange(angles.size)
-    return places, np.roll(values, number), remark if moved > SILENT_SHIFT else ""
-
-
-def _resampled(
-    angles: FloatArray, values: FloatArray, cycle: float
-) -> tuple[FloatArray, FloatArray, str]:
-    """Return even samples on the curve through uneven ones, one of them on the peak, and a remark."""
-    count = even_count(angles, cycle)
-    step = cycle / count
-    first = float(np.mod(angles[int(np.argmax(values))], step))
-    places = first + step * np.arange(count, dtype=np.float64)
-    curve = _periodic_curve(angles, values, cycle)
-    folded = angles[0] + np.mod(places - angles[0], cycle)
-    remark = (
-        f"The {angles.size} uneven samples were replaced by {count} even ones in steps of "
-        f"{angle(step, 4)} on a shape-preserving cubic curve through them."
-    )
-    return places, np.asarray(curve(folded), dtype=np.float64), remark
 
 
 def _periodic_curve(angles: FloatArray, values: FloatArray, cycle: float) -> "PchipInterpolator":
@@ -443,21 +427,20 @@ def read_pressure_table(
         pressure += ATMOSPHERE
         added = f"{amount(ATMOSPHERE, 'Pa', shown='Pa')} of atmosphere were added to the gauge pressure."
         remarks = (added, *remarks)
-    _check_pressure(rows, pressure, ENGINE if fires else COMPRESSOR)
-    _check_peak_angle(rows, pressure, cycles[cycle_strokes], ENGINE if fires else COMPRESSOR)
+    least = int(np.argmin(pressure))
+    if pressure[least] <= 0.0:
+        raise rows.value_error(
+            least,
+            f"given {rows.values[least]:g}; allowed is what gives an absolute pressure above zero, because "
+            "no gas has less",
+        )
+    _check_peak(rows, pressure, cycles[cycle_strokes], ENGINE if fires else COMPRESSOR)
     return gas_pressure(
         pressure, cycle_strokes, source=rows.source, remarks=remarks, angles_deg=rows.angles
     )
 
 
-def _check_pressure(rows: SampleRows, pressure: FloatArray, allowed: Peak) -> None:
-    index = int(np.argmin(pressure))
-    if pressure[index] <= 0.0:
-        raise rows.value_error(
-            index,
-            f"given {rows.values[index]:g}; allowed is what gives an absolute pressure above zero, because "
-            "no gas has less",
-        )
+def _check_peak(rows: SampleRows, pressure: FloatArray, cycle: float, allowed: Peak) -> None:
     index = int(np.argmax(pressure))
     if not allowed.lowest <= pressure[index] <= allowed.highest:
         raise rows.value_error(
@@ -467,12 +450,9 @@ def _check_pressure(rows: SampleRows, pressure: FloatArray, allowed: Peak) -> No
             "from a wrong unit in the header",
         )
 
-
-def _check_peak_angle(rows: SampleRows, pressure: FloatArray, cycle: float, allowed: Peak) -> None:
     def fits(angle: float, range_: Peak = allowed) -> bool:
         return (angle - range_.earliest) % cycle <= range_.latest - range_.earliest
 
-    index = int(np.argmax(pressure))
     peak, half = float(rows.angles[index]), cycle / 2.0
     if fits(peak):
         return

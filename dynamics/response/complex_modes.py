@@ -218,7 +218,15 @@ def complex_modes(
     vibrating = np.flatnonzero(eigenvalues.imag > least)
     vibrating = vibrating[np.argsort(eigenvalues[vibrating].imag)]
     upper, motion = eigenvalues[vibrating], outputs[vibrating]
-    undamped, locked = system.elastic_frequencies, _locked_frequencies(chain, system)
+    undamped, locked = system.elastic_frequencies, None
+    if chain is not None and chain.dashpots:
+        # With rigid dashpots.
+        free = null_space(chain.dashpot_elongations() @ system.expand)
+        springs = chain.spring_rows() @ system.expand @ free
+        rank = int(np.linalg.matrix_rank(springs))
+        frequencies, _ = elastic_modes(springs, free.T @ system.mass @ free, rank)
+        if frequencies.size == undamped.size:
+            locked = frequencies / (2.0 * np.pi)
     nodes = motion @ system.expand.T
     largest = nodes[np.arange(upper.size), np.argmax(np.abs(nodes), axis=1)]
     middle = undamped if locked is None else np.sqrt(undamped * locked)
@@ -257,18 +265,6 @@ def _with_undamped(terms: DampedModes) -> tuple[ComplexArray, ComplexArray, Comp
         np.concatenate((terms.inputs, inputs, -inputs)),
         np.concatenate((terms.outputs, terms.alone_shapes.T, terms.alone_shapes.T)),
     )
-
-
-def _locked_frequencies(chain: Chain | None, system: LinearSystem) -> FloatArray | None:
-    """Return the natural frequencies with rigid dashpots [Hz]; None without them."""
-    if chain is None or not chain.dashpots:
-        return None
-    free = null_space(chain.dashpot_elongations() @ system.expand)
-    rows = chain.spring_rows() @ system.expand @ free
-    mass = free.T @ system.mass @ free
-    frequencies, _ = elastic_modes(rows, mass, int(np.linalg.matrix_rank(rows)))
-    same = frequencies.size == system.elastic_frequencies.size
-    return frequencies / (2.0 * np.pi) if same else None
 
 
 def _sources(

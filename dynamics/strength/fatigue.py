@@ -427,7 +427,15 @@ def _round_four(held: FloatArray, new: FloatArray) -> tuple[FloatArray, FloatArr
         centers.append(0.5 * (new + held[:, first]))
     for first, second in ((0, 1), (0, 2), (1, 2)):
         sets.append(np.stack([new, held[:, first], held[:, second]], axis=1))
-        centers.append(_center(new, held[:, first], held[:, second]))
+        # The circle through three points; inf where they are in line.
+        a, b = held[:, first] - new, held[:, second] - new
+        twice = 2.0 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+        squares = np.sum(a * a, axis=1), np.sum(b * b, axis=1)
+        x = b[:, 1] * squares[0] - a[:, 1] * squares[1]
+        y = a[:, 0] * squares[1] - b[:, 0] * squares[0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            offset = np.stack([x, y], axis=1) / twice[:, None]
+        centers.append(np.where(np.isfinite(offset), new + offset, np.inf))
     center = np.stack(centers, axis=1)
     reach = np.linalg.norm(four[:, None] - center[:, :, None], axis=3)
     radius = np.linalg.norm(new[:, None] - center, axis=2)
@@ -436,18 +444,6 @@ def _round_four(held: FloatArray, new: FloatArray) -> tuple[FloatArray, FloatArr
     choice = np.where(holds, radius, np.inf).argmin(axis=1)
     count = np.arange(len(new))
     return np.stack(sets, axis=1)[count, choice], center[count, choice], radius[count, choice]
-
-
-def _center(first: FloatArray, second: FloatArray, third: FloatArray) -> FloatArray:
-    """Center (b, 2) of the circle through three points; inf where they are in line."""
-    a, b = second - first, third - first
-    twice = 2.0 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-    squares = np.sum(a * a, axis=1), np.sum(b * b, axis=1)
-    x = b[:, 1] * squares[0] - a[:, 1] * squares[1]
-    y = a[:, 0] * squares[1] - b[:, 0] * squares[0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        offset = np.stack([x, y], axis=1) / twice[:, None]
-    return np.where(np.isfinite(offset), first + offset, np.inf)
 
 
 Process = Literal["induction", "nitriding"]

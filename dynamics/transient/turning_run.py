@@ -685,10 +685,45 @@ def steady_cycle(
         else whole_number("samples", samples, 4, "they show the cycle")
     )
     period = 2.0 * np.pi * turns / speed
-    evaluated = evaluation_counter(lambda _: _too_slow(chain, speed, period), MOST_EVALUATIONS)
-    shooting = _Shooting(chain, speed, period, method, evaluated)
+
+    def too_slow(_: float) -> InputError:
+        periods = period * float(chain.system.system.natural[-1]) / (2.0 * np.pi)
+        return InputError(
+            f"mean_speed: given {speed:g} rad/s; allowed is a speed whose cycle takes fewer steps, because a "
+            f"search has a limit of {MOST_EVALUATIONS} evaluations; in this cycle the highest mode has "
+            f"{periods:.3g} periods."
+        )
+
+    shooting = _Shooting(
+        chain, speed, period, method, evaluation_counter(too_slow, MOST_EVALUATIONS)
+    )
     unknowns, missed = shooting.solved()
-    return _sampled_cycle(shooting, unknowns, missed, turns, count)
+    state, states = shooting.starts(unknowns[np.newaxis])
+    angles = even_angles(2.0 * np.pi * turns, count)
+    solution = shooting.integrate(state, states, np.append(angles / speed, period))
+    size = chain.even.size
+    values = solution.y.T
+    works = values[-1, 2 * size : 2 * size + WORKS]
+    twists, velocities = values[:-1, :size], values[:-1, size : 2 * size] + speed * chain.even
+    motion = twists @ chain.expand.T
+    kinetic, strain = chain.energies(twists, velocities, angles)
+    largest = max(float(np.max(np.abs(works))), float(np.ptp(kinetic + strain)))
+    return TurningCycle(
+        mean_speed=speed,
+        turns=turns,
+        load=float(state.load(np.array([speed]), 0.0)[0]),
+        shaft_angle_deg=np.degrees(angles),
+        motion=motion,
+        speed=velocities @ chain.expand.T,
+        torque=spring_torques(chain.system.chain, motion),
+        gas_work=float(works[0]),
+        load_work=float(works[1]),
+        damping_work=float(works[2]),
+        energy_error=abs(float(works.sum())) / largest if largest > 0.0 else 0.0,
+        closing_error=missed,
+        chain=chain,
+        note=chain.system.note,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -767,51 +802,6 @@ class _Shooting:
             f"mean_speed: given {self.speed:g} rad/s; allowed is a speed at which the shaft runs steadily, "
             "because no cycle was found that repeats."
         )
-
-
-def _too_slow(chain: TurningChain, speed: float, period: float) -> InputError:
-    periods = period * float(chain.system.system.natural[-1]) / (2.0 * np.pi)
-    return InputError(
-        f"mean_speed: given {speed:g} rad/s; allowed is a speed whose cycle takes fewer steps, because a "
-        f"search has a limit of {MOST_EVALUATIONS} evaluations; in this cycle the highest mode has "
-        f"{periods:.3g} periods."
-    )
-
-
-def _sampled_cycle(
-    shooting: _Shooting, unknowns: FloatArray, missed: float, turns: int, samples: int
-) -> TurningCycle:
-    """Return the cycle sampled at even angles."""
-    chain, speed = shooting.chain, shooting.speed
-    state, states = shooting.starts(unknowns[np.newaxis])
-    angles = even_angles(2.0 * np.pi * turns, samples)
-    times = np.append(angles / speed, shooting.period)
-    solution = shooting.integrate(state, states, times)
-    count = chain.even.size
-    values = solution.y.T
-    works = values[-1, 2 * count : 2 * count + WORKS]
-    motion = values[:-1, :count] @ chain.expand.T
-    speeds = (values[:-1, count : 2 * count] + speed * chain.even) @ chain.expand.T
-    kinetic, strain = chain.energies(
-        values[:-1, :count], values[:-1, count : 2 * count] + speed * chain.even, angles
-    )
-    largest = max(float(np.max(np.abs(works))), float(np.ptp(kinetic + strain)))
-    return TurningCycle(
-        mean_speed=speed,
-        turns=turns,
-        load=float(state.load(np.array([speed]), 0.0)[0]),
-        shaft_angle_deg=np.degrees(angles),
-        motion=motion,
-        speed=speeds,
-        torque=spring_torques(chain.system.chain, motion),
-        gas_work=float(works[0]),
-        load_work=float(works[1]),
-        damping_work=float(works[2]),
-        energy_error=abs(float(works.sum())) / largest if largest > 0.0 else 0.0,
-        closing_error=missed,
-        chain=chain,
-        note=chain.system.note,
-    )
 
 
 # The shaft stops where its speed has fallen to this share within about a turn.

@@ -152,51 +152,38 @@ def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> Pis
     """Return the gas forces from pressures, or from a function of the piston's position and direction."""
     if gas is None:
         return PistonGas(lambda _angle, places, _directions: np.zeros(places.shape), False)
-    if callable(gas):
-        return PistonGas(_from_places(engine, gas), True)
-    under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
-    return PistonGas(_from_pressures(engine, gas, under), False)
-
-
-def _from_pressures(
-    engine: EngineLayout, gas: Pressure | Sequence[Pressure], crankcase_pressure: float
-) -> Callable[[float, FloatArray, FloatArray], FloatArray]:
-    pressures = pressure_of_each("pressure", gas, engine)
-    areas = np.array([cylinder.area for cylinder in engine.cylinders])
     firing = np.radians(engine.firing_deg)
+    if callable(gas):
+        force, cycle = gas, cycle_radians(engine.strokes)
+        count = len(engine.cylinders)
+        lowest, highest = np.array([piston_ends(engine, number + 1) for number in range(count)]).T
+
+        def by_places(angle: float, places: FloatArray, directions: FloatArray) -> FloatArray:
+            positions = np.clip((places - lowest) / (highest - lowest), 0.0, 1.0).tolist()
+            since_firing = ((angle - firing) % cycle).tolist()
+            return np.array(
+                [
+                    force(place + 1, positions[place], 1 if way > 0.0 else -1, since_firing[place])
+                    for place, way in enumerate(directions.tolist())
+                ],
+                dtype=np.float64,
+            )
+
+        return PistonGas(by_places, True)
+    under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    areas = np.array([cylinder.area for cylinder in engine.cylinders])
     # Cylinders with the same pressure are asked for together.
     groups: dict[int, tuple[Pressure, list[int]]] = {}
-    for place, diagram in enumerate(pressures):
+    for place, diagram in enumerate(pressure_of_each("pressure", gas, engine)):
         groups.setdefault(id(diagram), (diagram, []))[1].append(place)
 
-    def forces(angle: float, _places: FloatArray, _directions: FloatArray) -> FloatArray:
+    def by_pressures(angle: float, _places: FloatArray, _directions: FloatArray) -> FloatArray:
         absolute = np.empty(areas.size)
         for pressure, members in groups.values():
             absolute[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
-        return np.asarray(areas * (absolute - crankcase_pressure))
+        return np.asarray(areas * (absolute - under))
 
-    return forces
-
-
-def _from_places(
-    engine: EngineLayout, force: PistonForce
-) -> Callable[[float, FloatArray, FloatArray], FloatArray]:
-    count = len(engine.cylinders)
-    lowest, highest = np.array([piston_ends(engine, number + 1) for number in range(count)]).T
-    firing, cycle = np.radians(engine.firing_deg), cycle_radians(engine.strokes)
-
-    def forces(angle: float, places: FloatArray, directions: FloatArray) -> FloatArray:
-        positions = np.clip((places - lowest) / (highest - lowest), 0.0, 1.0).tolist()
-        since_firing = ((angle - firing) % cycle).tolist()
-        return np.array(
-            [
-                force(place + 1, positions[place], 1 if way > 0.0 else -1, since_firing[place])
-                for place, way in enumerate(directions.tolist())
-            ],
-            dtype=np.float64,
-        )
-
-    return forces
+    return PistonGas(by_pressures, False)
 
 
 # Moment that brakes [N m], of speed [rad/s] and shaft angle [rad].
