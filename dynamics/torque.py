@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from typing import Annotated, Literal, TypeGuard
+from typing import Annotated, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,10 +57,11 @@ def samples_and_gas(
     shape = (len(engine.cylinders), count)
     if pressure is None:
         return angles, np.zeros(shape)
-    if _are_pressures(pressure):
-        return angles, gas_forces(
-            engine, pressure, crankcase_pressure, shaft_angles_deg=np.degrees(angles)
-        )
+    first = pressure[0] if isinstance(pressure, Sequence) and pressure else pressure
+    if hasattr(first, "at"):
+        pressures = cast("Pressure | Sequence[Pressure]", pressure)
+        degrees = np.degrees(angles)
+        return angles, gas_forces(engine, pressures, crankcase_pressure, shaft_angles_deg=degrees)
     forces = finite_array("pressure", np.asarray(pressure))
     if forces.shape != shape:
         raise InputError(
@@ -79,13 +80,6 @@ def forces_by_cause(
     return of_gas, mechanism_forces(
         engine, running, model=model, shaft_angles_deg=np.degrees(angles)
     )
-
-
-def _are_pressures(
-    pressure: "Pressure | Sequence[Pressure] | ArrayLike",
-) -> TypeGuard["Pressure | Sequence[Pressure]"]:
-    first = pressure[0] if isinstance(pressure, Sequence) and pressure else pressure
-    return hasattr(first, "at")
 
 
 def from_firing_top(
@@ -677,19 +671,20 @@ def same_stars(stars: Iterable[Star]) -> tuple[tuple[Star, ...], ...]:
     Two are equal if the lengths are equal and the directions, counted from the first cylinder's,
     are equal or opposite.
     """
-    groups = grouped(stars, lambda group, star: _alike(group[0], star))
+
+    def alike(group: list[Star], reference: Star) -> bool:
+        star = group[0]
+        if star.weights.shape != reference.weights.shape or not np.allclose(
+            star.weights, reference.weights, rtol=1e-9, atol=0.0
+        ):
+            return False
+        first, second = (
+            np.radians(each.directions_deg - each.directions_deg[0]) for each in (star, reference)
+        )
+        return _equal_directions(first, second) or _equal_directions(first, -second)
+
+    groups = grouped(stars, alike)
     return tuple(tuple(group) for group in groups)
-
-
-def _alike(star: Star, reference: Star) -> bool:
-    if star.weights.shape != reference.weights.shape or not np.allclose(
-        star.weights, reference.weights, rtol=1e-9, atol=0.0
-    ):
-        return False
-    first, second = (
-        np.radians(star.directions_deg - star.directions_deg[0]) for star in (star, reference)
-    )
-    return _equal_directions(first, second) or _equal_directions(first, -second)
 
 
 def _equal_directions(first: FloatArray, second: FloatArray) -> bool:

@@ -186,7 +186,7 @@ MAJOR_READING = "from the 2025 edition alone; no second source confirms it"
 CLEAR = {"propeller": (0.8, 1.1), "generator": (0.9, 1.1)}
 
 
-@summarized("orders", "clear [rad/s]", "found", "passed")
+@summarized("orders", "clear [rad/s]", "criticals", "passed")
 @dataclass(frozen=True)
 class MajorCriticals:
     """Critical speeds of the orders that one class calls major, and the speeds they must avoid.
@@ -196,18 +196,18 @@ class MajorCriticals:
     orders : tuple of float
     clear : tuple of two floats
         Speeds between which none may be [rad/s].
-    found : tuple of CriticalSpeed
+    criticals : tuple of CriticalSpeed
         Those within the range.
     """
 
     orders: tuple[float, ...]
     clear: tuple[float, float]
-    found: tuple[CriticalSpeed, ...]
+    criticals: tuple[CriticalSpeed, ...]
 
     @property
     def passed(self) -> bool:
         """Whether none is within the range."""
-        return not self.found
+        return not self.criticals
 
 
 def major_criticals(

@@ -187,7 +187,25 @@ def mode_likeness(
             f"chain: given one of {chain.throws} throws; allowed is one of {shaft.section_count - 1}, "
             "because the shaft has so many."
         )
-    nodes, moved = _moved_nodes(shaft, modes, chain)
+    # How each mode moves the chain's nodes that the shaft has too, along or about it: throws, ends, damper
+    # ring, driven machine and shaft line. Without these a mode of the ring resembles one of the crankshaft,
+    # whose throws it moves alike.
+    motions, sections = modes.motions, shaft.section_count
+    names = shaft.names[len(shaft.names) - len(shaft.added) :]
+    added = dict(zip(names, shaft.added @ modes.shapes, strict=True))
+    if chain.kind == "axial":
+        of_node, ends = dict(zip(chain.sections, motions[:sections, UZ], strict=True)), {}
+    else:
+        pins = np.array(shaft.pin_throws)
+        turns = motions[sections : sections + len(pins), RZ]
+        throws = (turns[pins == throw].mean(axis=0) for throw in np.unique(pins))
+        of_node = dict(zip(chain.throw_nodes, throws, strict=True))
+        ends = {FREE_END: motions[0, RZ], FLYWHEEL: motions[sections - 1, RZ]} | added
+    for node, name in enumerate(chain.nodes):
+        beside = ends.get(name, added.get(f"{name} {MOTION_OF[chain.kind]}"))
+        if node not in of_node and beside is not None:
+            of_node[node] = beside
+    nodes, moved = list(of_node), np.array(list(of_node.values()))
     weight = chain.chain.mass_matrix()[np.ix_(nodes, nodes)]
     sizes = np.sum(moved * (weight @ moved), axis=0)
     sizes = np.where(sizes > 0.0, sizes, 1.0)
@@ -226,38 +244,6 @@ def followed_modes(masses: FloatArray, shapes: Sequence[FloatArray]) -> NDArray[
         alike = (before.T @ masses @ after) ** 2
         rows.append(linear_sum_assignment(alike, maximize=True)[1][rows[-1]])
     return np.array(rows)
-
-
-def _moved_nodes(
-    shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain
-) -> tuple[list[int], FloatArray]:
-    """Return the chain's nodes that the shaft has too, and how each mode moves them, (nodes, q).
-
-    Along the shaft, or about it: throws, ends, damper ring, driven machine and shaft line. Without
-    these a mode of the ring resembles one of the crankshaft, whose throws it moves alike.
-    """
-    motions = modes.motions
-    sections = shaft.section_count
-    added = dict(
-        zip(
-            shaft.names[len(shaft.names) - len(shaft.added) :],
-            shaft.added @ modes.shapes,
-            strict=True,
-        )
-    )
-    if chain.kind == "axial":
-        moved, ends = dict(zip(chain.sections, motions[:sections, UZ], strict=True)), {}
-    else:
-        pins = np.array(shaft.pin_throws)
-        turns = motions[sections : sections + len(pins), RZ]
-        throws = (turns[pins == throw].mean(axis=0) for throw in np.unique(pins))
-        moved = dict(zip(chain.throw_nodes, throws, strict=True))
-        ends = {FREE_END: motions[0, RZ], FLYWHEEL: motions[sections - 1, RZ]} | added
-    for node, name in enumerate(chain.nodes):
-        beside = ends.get(name, added.get(f"{name} {MOTION_OF[chain.kind]}"))
-        if node not in moved and beside is not None:
-            moved[node] = beside
-    return list(moved), np.array(list(moved.values()))
 
 
 # Share of the shaft's own mass matrix that stays in every step: without any mass a motion has no frequency.

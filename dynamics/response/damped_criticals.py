@@ -257,14 +257,25 @@ def damped_criticals(
             "damping, because amplitudes are known at the speeds of the response alone: its synthesis shows "
             "the peaks."
         )
-    return criticals_of(
-        response,
-        _quantities(response, elements, node),
-        speed_range,
-        modes=modes,
-        first=first,
-        below=below,
-    )
+    if node is not None:
+        rows, names = motion_rows(response, [node])
+        quantities = LinearQuantities(names, rows, np.zeros(1, dtype=bool))
+    elif elements is not None:
+        quantities = load_quantities(response, elements)
+    else:
+        moved, nodes = motion_rows(response)
+        quantities = LinearQuantities(nodes, moved, np.zeros(len(nodes), dtype=bool))
+        if response.chain is not None:
+            loads = load_quantities(response, elements)
+            more = ((0, len(nodes)), (0, 0))
+            quantities = replace(
+                loads,
+                direct=None if loads.direct is None else np.pad(loads.direct, more),
+                names=(*loads.names, *nodes),
+                rows=np.concatenate((loads.rows, moved)),
+                loads=np.arange(len(loads.names) + len(nodes)) < len(loads.names),
+            )
+    return criticals_of(response, quantities, speed_range, modes=modes, first=first, below=below)
 
 
 def criticals_of(
@@ -325,29 +336,6 @@ def criticals_of(
                 criticals.append(_critical(modes, order, number))
     return tuple(
         sorted(criticals, key=lambda critical: (critical.order, critical.mode, critical.speed))
-    )
-
-
-def _quantities(
-    response: ForcedResponse, elements: Sequence[int | str] | None, node: int | str | None
-) -> LinearQuantities:
-    """Return the loads and motions in which peaks are sought."""
-    if node is not None:
-        rows, names = motion_rows(response, [node])
-        return LinearQuantities(names, rows, np.zeros(1, dtype=bool))
-    moved, nodes = motion_rows(response)
-    if elements is None and response.chain is None:
-        return LinearQuantities(nodes, moved, np.zeros(len(nodes), dtype=bool))
-    loads = load_quantities(response, elements)
-    if elements is not None:
-        return loads
-    more = ((0, len(nodes)), (0, 0))
-    return replace(
-        loads,
-        direct=None if loads.direct is None else np.pad(loads.direct, more),
-        names=(*loads.names, *nodes),
-        rows=np.concatenate((loads.rows, moved)),
-        loads=np.arange(len(loads.names) + len(nodes)) < len(loads.names),
     )
 
 

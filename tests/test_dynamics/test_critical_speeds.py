@@ -59,9 +59,9 @@ def test_only_major_orders_within_the_speeds_count(speed, there):
     """Order 3 meets the mode at the speed asked for; orders 2.5 and 3.5 beside it are minor."""
     frequency = 3.0 * speed / 6.283185307179586
     met = critical_speeds([frequency], [2.5, 3.0, 3.5], (1.0, 1000.0))
-    own = major_criticals(met, 100.0, cylinders=6, strokes=4, drives="generator")
-    assert [one.order for one in own.found] == ([3.0] if there else [])
-    assert own.passed is not there
+    majors = major_criticals(met, 100.0, cylinders=6, strokes=4, drives="generator")
+    assert [critical.order for critical in majors.criticals] == ([3.0] if there else [])
+    assert majors.passed is not there
 
 
 def test_the_rated_speed_is_above_zero():

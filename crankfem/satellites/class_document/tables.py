@@ -506,7 +506,7 @@ def major_sentences(run: EngineVibration) -> tuple[str, ...]:
             if critical.mode + 1 in damped
             else ""
         )
-        for critical in judgment.found
+        for critical in judgment.criticals
     )
     orders = " and ".join(f"{order:g}" for order in judgment.orders)
     low, high = (f"{speed / engine.rated_speed:.2g}" for speed in judgment.clear)
