@@ -604,15 +604,10 @@ def star_diagram(
             order_numbers(asked, known)
     shape = (asked.size, firing.size)
     reason = "each order's vector of each cylinder takes its own"
-    lengths, shares, turns = (
-        spread_array(field, otherwise if spread is None else spread, shape, reason)
-        for field, spread, otherwise in (
-            ("amplitudes", amplitudes, 1.0),
-            ("mode_shape", mode_shape, 1.0),
-            ("phases_deg", phases_deg, 0.0),
-        )
-    )
-    lengths = lengths * shares
+    lengths = spread_array("amplitudes", 1.0 if amplitudes is None else amplitudes, shape, reason)
+    moved = spread_array("mode_shape", 1.0 if mode_shape is None else mode_shape, shape, reason)
+    turns = spread_array("phases_deg", 0.0 if phases_deg is None else phases_deg, shape, reason)
+    lengths = lengths * moved
     directions = np.outer(asked, firing) - np.radians(turns)
     return tuple(
         Star(

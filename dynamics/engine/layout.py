@@ -160,16 +160,12 @@ def repeating_intervals(intervals_deg: Sequence[float]) -> tuple[float, ...]:
     (90.0, 30.0)
     """
     steps = tuple(intervals_deg)
-    sizes = (size for size in range(1, len(steps) + 1) if not len(steps) % size)
-    period = next(
-        size
-        for size in sizes
-        if all(
-            math.isclose(interval, steps[k % size], abs_tol=0.01)
-            for k, interval in enumerate(steps)
-        )
-    )
-    return steps[:period]
+    for size in range(1, len(steps)):
+        repeated = steps[:size] * (len(steps) // size)
+        pairs = zip(steps, repeated, strict=False)
+        if len(steps) % size == 0 and all(math.isclose(*pair, abs_tol=0.01) for pair in pairs):
+            return steps[:size]
+    return steps
 
 
 def even_firing_order(firing_angles: Sequence[float], strokes: int) -> tuple[int, ...] | None:

@@ -297,11 +297,8 @@ def _sources(
     whole = np.sum(np.abs(shares), axis=1, keepdims=True)
     shares = np.where(shares > 1e-12 * whole, shares, 0.0)
     names = (*names, SYSTEM_DAMPING if chain is None else MODAL_DAMPING)
-    return tuple(
-        {
-            names[place]: float(each[place] / np.sum(each))
-            for place in np.argsort(-each)
-            if each[place]
-        }
-        for each in shares
-    )
+    sources = []
+    for each in shares:
+        largest_first = [place for place in np.argsort(-each).tolist() if each[place]]
+        sources.append({names[place]: float(each[place] / np.sum(each)) for place in largest_first})
+    return tuple(sources)

@@ -151,17 +151,12 @@ class PeakCause(Result):
     def main_shares(self) -> list[tuple[str, float]]:
         """The main orders in words and their shares, the largest first; also of what was read from JSON."""
         whole = sum(part.contribution for part in self.parts)
-        return [
-            (
-                wording.orders_named(
-                    [(run[0].order, run[-1].order) for run in runs],
-                    runs[0][0].state,
-                    _mode(runs[0][0]) if runs[0][0].mode else "",
-                ),
-                _total(runs) / whole,
-            )
-            for runs in self._main(LEAST_PART * whole)
-        ]
+        shares = []
+        for runs in self._main(LEAST_PART * whole):
+            main, orders = runs[0][0], [(run[0].order, run[-1].order) for run in runs]
+            words = wording.orders_named(orders, main.state, _mode(main) if main.mode else "")
+            shares.append((words, _total(runs) / whole))
+        return shares
 
     def to_pandas(self) -> "DataFrame":
         """Return a table with a row for each order.
