@@ -411,27 +411,9 @@ def one_cycle(
     faults, remarks = faults + wrong, remarks + of_mean
     values = single.values
     if cut.closing is not None:
-        closing = rows.values[cut.closing]
-        first = values[0]
-        size = float(np.max(np.abs(values)))
-        differs = abs(closing - first)
-        # The errors' standard deviation, by third differences of the samples.
-        thirds = np.diff(np.concatenate([values, values[:3]]), n=3)
-        deviation = float(np.median(np.abs(thirds))) / _THIRD
-        noise = min(NOISE_WITHIN * deviation, LARGEST_NOISE * size)
-        if differs > max(tolerance * size, noise, NOISE_WITHIN * scatter):
-            faults.append(_closing_fault(rows, cut, single))
-        elif differs > tolerance * size and len(cut.cycles) == 1:
-            remarks.append(
-                f"The closing sample differs from the first by {differs:.3g} {rows.unit}, as noise does; "
-                "their mean is used."
-            )
-            values = values.copy()
-            values[0] = 0.5 * (values[0] + closing)
-        else:
-            remarks.append(f"The closing sample at {angle(rows.angles[cut.closing])} was dropped.")
-    seam = _seam(single.angles, values, cycle)
-    if seam > SEAM and cut.closing is None:
+        values, wrong, of_closing = _without_closing(rows, cut, single, scatter, tolerance)
+        faults, remarks = faults + wrong, remarks + of_closing
+    elif (seam := _seam(single.angles, values, cycle)) > SEAM:
         half = (
             " Perhaps it is one revolution of a four-stroke engine, whose cycle has two."
             if cut.strokes == 2
@@ -562,16 +544,34 @@ def _mean_cycle(
     return replace(first, values=values.mean(axis=0)), float(scatter[0]), [remark], []
 
 
-def _closing_fault(rows: SampleRows, cut: _Cut, single: SampleRows) -> str:
-    half = "; perhaps it is one revolution of a four-stroke engine" if cut.strokes == 2 else ""
-    closing = cut.closing or -1
-    return str(
-        rows.value_error(
-            closing,
-            f"given {rows.values[closing]:g} for the closing sample; allowed is the {single.values[0]:g} of "
-            f"line {rows.lines[0]}, because the closing sample repeats the first one cycle later{half}",
+def _without_closing(
+    rows: SampleRows, cut: _Cut, single: SampleRows, scatter: float, tolerance: float
+) -> tuple[FloatArray, list[str], list[str]]:
+    """Return the values of the cycle, what is wrong with its closing sample, and what became of it."""
+    values, place = single.values, cut.closing or -1
+    first, closing = values[0], rows.values[place]
+    size, differs = float(np.max(np.abs(values))), abs(closing - first)
+    # The errors' standard deviation, by third differences of the samples.
+    thirds = np.diff(np.concatenate([values, values[:3]]), n=3)
+    deviation = float(np.median(np.abs(thirds))) / _THIRD
+    noise = min(NOISE_WITHIN * deviation, LARGEST_NOISE * size)
+    if differs > max(tolerance * size, noise, NOISE_WITHIN * scatter):
+        half = "; perhaps it is one revolution of a four-stroke engine" if cut.strokes == 2 else ""
+        fault = rows.value_error(
+            place,
+            f"given {closing:g} for the closing sample; allowed is the {first:g} of line {rows.lines[0]}, "
+            f"because the closing sample repeats the first one cycle later{half}",
         )
-    )
+        return values, [str(fault)], []
+    if differs > tolerance * size and len(cut.cycles) == 1:
+        remark = (
+            f"The closing sample differs from the first by {differs:.3g} {rows.unit}, as noise does; "
+            "their mean is used."
+        )
+        mean = values.copy()
+        mean[0] = 0.5 * (first + closing)
+        return mean, [], [remark]
+    return values, [], [f"The closing sample at {angle(rows.angles[place])} was dropped."]
 
 
 def _seam(angles: FloatArray, values: FloatArray, cycle: float) -> float:
