@@ -17,7 +17,6 @@ from crankbase.summaries import summarized
 from dynamics.cycle import check_even_cycle, cycle_degrees, is_even_cycle, order_step
 from dynamics.plots.harmonics import draw_harmonics, draw_samples, draw_single_harmonics
 from dynamics.sample_tables import (
-    WIDEST_GAP,
     TableKind,
     TableReading,
     even_count,
@@ -372,7 +371,6 @@ def read_torque_table(
         rows,
         cycles,
         tolerance=CLOSING_TOLERANCE,
-        widest=WIDEST_GAP,
         what="torque",
         even=True,
     )

@@ -349,7 +349,6 @@ def one_cycle(
     cycles: Mapping[int, float],
     *,
     tolerance: float,
-    widest: float,
     what: str,
     even: bool = False,
 ) -> tuple[int, SampleRows]:
@@ -362,12 +361,10 @@ def one_cycle(
     tolerance : float
         Share of the largest value by which a closing sample may differ from the first; by noise it may by
         more.
-    widest : float
-        Largest gap between samples [deg].
     what : str
         The values, for messages.
     even : bool, optional
-        Whether even samples may be further apart.
+        Whether even samples may be further apart than `WIDEST_GAP`.
 
     Raises
     ------
@@ -386,24 +383,24 @@ def one_cycle(
         raise InputError("\n".join([*faults, str(error)]))
     step = float(np.median(np.diff(angles)))
     steady = even and float(np.ptp(np.diff(angles))) <= 2.0 * PLACE_TOLERANCE * step
-    room = max(widest, step) if steady else widest
+    room = max(WIDEST_GAP, step) if steady else WIDEST_GAP
     room *= 1.0 + (2.0 * PLACE_TOLERANCE if steady else 1e-9)
     cut = _cut(rows, cycles, room, step)
     if cut is None:
-        raise InputError("\n".join([*faults, _no_cycle(rows, cycles, widest)]))
+        raise InputError("\n".join([*faults, _no_cycle(rows, cycles)]))
     cycle = cycles[cut.strokes]
     gaps = np.flatnonzero(np.diff(angles[: cut.cycles[-1].stop]) > room) + 1
     faults += [
         str(
             rows.step_error(
                 int(gap),
-                f"gaps of {widest:g} deg at most, because a wider one may hide the {what}'s rise",
+                f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the {what}'s rise",
             )
         )
         for gap in gaps[:MOST_GAPS]
     ]
     if gaps.size > MOST_GAPS:
-        faults.append(f"{rows.path}: {gaps.size} gaps in all are wider than {widest:g} deg.")
+        faults.append(f"{rows.path}: {gaps.size} gaps in all are wider than {WIDEST_GAP:g} deg.")
     remarks = list(rows.remarks)
     if cut.left_over:
         remarks.append(f"{cut.left_over} samples of an incomplete cycle at the end were left out.")
@@ -481,7 +478,7 @@ def _cut(rows: SampleRows, cycles: Mapping[int, float], room: float, step: float
     return None
 
 
-def _no_cycle(rows: SampleRows, cycles: Mapping[int, float], widest: float) -> str:
+def _no_cycle(rows: SampleRows, cycles: Mapping[int, float]) -> str:
     lengths = " or ".join(f"{cycle:g} deg" for cycle in cycles.values())
     several = "" if len(cycles) > 1 else ", or several"
     return str(
@@ -489,8 +486,8 @@ def _no_cycle(rows: SampleRows, cycles: Mapping[int, float], widest: float) -> s
             -1,
             f"given angles from {rows.angles[0]:g} to {rows.angles[-1]:g} deg in steps of "
             f"{mean_step(rows.angles):g} deg; allowed is one cycle of {lengths}{several}, with or without "
-            f"the closing sample, and open by {widest:g} deg at most, because what the table holds repeats "
-            "with the cycle",
+            f"the closing sample, and open by {WIDEST_GAP:g} deg at most, because what the table holds "
+            "repeats with the cycle",
         )
     )
 

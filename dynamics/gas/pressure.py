@@ -417,7 +417,6 @@ def read_pressure_table(
         read_sample_rows(path, TABLE, reading),
         cycles,
         tolerance=CLOSING_TOLERANCE,
-        widest=WIDEST_GAP,
         what="pressure",
     )
     remarks = rows.remarks

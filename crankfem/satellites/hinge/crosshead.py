@@ -33,7 +33,6 @@ from dynamics.engine.rods import ConnectingRod, check_reach
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle, usual_gas_cycle
 from dynamics.gas.pressure import ATMOSPHERE, CLOSING_TOLERANCE
 from dynamics.sample_tables import (
-    WIDEST_GAP,
     TableKind,
     TableReading,
     one_cycle,
@@ -268,7 +267,6 @@ def read_gas_force(path: GivenFile, reading: TableReading | None = None) -> GasF
         read_sample_rows(path, TABLE, reading),
         {2: TURN_DEG},
         tolerance=CLOSING_TOLERANCE,
-        widest=WIDEST_GAP,
         what="force",
     )
     force = rows.values * UNITS[rows.unit]
