@@ -227,7 +227,16 @@ def run_checks(
                 allowed=LARGEST_ENERGY_ERROR,
             )
         )
-    checks += _power_checks(results.vibration)
+    checks += [
+        _check(
+            f"Power of the {kind} vibration",
+            forced.largest_power.error,
+            "Power of the exciting forces compared with the heat in all damping, at speeds with bounded "
+            "vibration.",
+            allowed=LARGEST_POWER_ERROR,
+        )
+        for kind, forced in (results.vibration.forced_by_kind or {}).items()
+    ]
     return (*checks, *_chain_checks(results.vibration.whole_crankshaft))
 
 
@@ -327,19 +336,6 @@ def _study_checks(study: FittedStudy | None) -> list[Check]:
             shown_unit="%",
         )
         for kind, fit in chosen.items()
-    ]
-
-
-def _power_checks(vibration: EngineVibration) -> list[Check]:
-    return [
-        _check(
-            f"Power of the {kind} vibration",
-            forced.largest_power.error,
-            "Power of the exciting forces compared with the heat in all damping, at speeds with bounded "
-            "vibration.",
-            allowed=LARGEST_POWER_ERROR,
-        )
-        for kind, forced in (vibration.forced_by_kind or {}).items()
     ]
 
 

@@ -363,7 +363,12 @@ def _factor(
                 f"{name}: given {stated!r}; allowed is a list of {', '.join(field.choices)}."
             )
         return Factor.of_labels(path, stated)
-    if field is None and _has_text(stated):
+    settings: list[object] = []
+    if isinstance(stated, dict):
+        settings = [part for key, part in stated.items() if key != "spacing"]
+    elif isinstance(stated, list):
+        settings = stated
+    if field is None and any(isinstance(setting, str) for setting in settings):
         # A name that relations use is a pure number, so this is meant as a field.
         raise InputError(f"{name}: unknown throw dimension; {unknown_field(path, fields, throw)}.")
     unit = "" if field is None else field.unit
@@ -376,15 +381,6 @@ def _factor(
         )
     levels = [parse_quantity(text, unit, f"{name}[{place}]") for place, text in enumerate(stated)]
     return Factor.of_levels(path, unit, levels)
-
-
-def _has_text(value: object) -> bool:
-    items: list[object] = []
-    if isinstance(value, dict):
-        items = [part for key, part in value.items() if key != "spacing"]
-    elif isinstance(value, list):
-        items = value
-    return any(isinstance(item, str) for item in items)
 
 
 def _range(path: str, table: Mapping[str, Any], unit: str) -> Factor:

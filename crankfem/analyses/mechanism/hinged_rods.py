@@ -230,10 +230,24 @@ def piston_accelerations(
         for number in cylinders
     }
     main, *hinged = cylinders
+    differences = []
+    for number in hinged:
+        apart = curves[main] - curves[number]
+        most, least = int(np.argmax(apart)), int(np.argmin(apart))
+        differences.append(
+            AccelerationDifference(
+                cylinder=number,
+                largest=float(apart[most]),
+                largest_deg=math.degrees(alpha[most]),
+                least=float(apart[least]),
+                least_deg=math.degrees(alpha[least]),
+                mean_largest=0.5 * float(np.max(curves[main]) + np.max(curves[number])),
+            )
+        )
     return PistonAccelerations(
         speed,
         tuple(_piston(layout, speed, number, alpha, curve) for number, curve in curves.items()),
-        tuple(_difference(number, alpha, curves[main], curves[number]) for number in hinged),
+        tuple(differences),
     )
 
 
@@ -256,19 +270,4 @@ def _piston(
         amplitude=np.where(zero, 0.0, amplitude),
         phase_deg=np.where(zero, 0.0, phase),
         left=float(np.max(np.abs(left))),
-    )
-
-
-def _difference(
-    number: int, alpha: FloatArray, main: FloatArray, hinged: FloatArray
-) -> AccelerationDifference:
-    apart = main - hinged
-    most, least = int(np.argmax(apart)), int(np.argmin(apart))
-    return AccelerationDifference(
-        cylinder=number,
-        largest=float(apart[most]),
-        largest_deg=math.degrees(alpha[most]),
-        least=float(apart[least]),
-        least_deg=math.degrees(alpha[least]),
-        mean_largest=0.5 * float(np.max(main) + np.max(hinged)),
     )

@@ -269,7 +269,20 @@ def _replaced(content: TomlFile) -> Iterator[str]:
     for name, throw in throws.items():
         section = name if name == PLAIN else f"throws.{name}"
         whole = _with_missing(throw, throws.get(str(throw.get("like")), {}))
-        yield from (f"{section}.{field}" for field in _replaced_in(whole))
+        pins = whole.get("further_pins")
+        pins = pins if isinstance(pins, list) else []
+        left, right = (whole.get(f"{side}_web") for side in ("left", "right"))
+        of_both = (
+            left.keys() & right.keys() if isinstance(left, dict) and isinstance(right, dict) else ()
+        )
+        for kind in of_both:
+            if all(f"web_{kind}" in pin for pin in pins) or kind not in ("thickness", "width"):
+                yield f"{section}.{kind if kind == 'counterweight' else f'web_{kind}'}"
+        if {"main_journal_fillet_radius", "pin_fillet_radius"} <= whole.keys():
+            yield f"{section}.fillet_radius"
+        for bore, pins_too in (("main_journal_bore", ()), ("pin_bore", pins)):
+            if bore not in whole and not any("bore" in pin for pin in pins_too):
+                yield f"{section}.{bore}_offset"
 
 
 def _with_missing(values: Mapping[str, Any], others: Mapping[str, Any]) -> dict[str, Any]:
@@ -280,23 +293,6 @@ def _with_missing(values: Mapping[str, Any], others: Mapping[str, Any]) -> dict[
         if isinstance(value, Mapping) and isinstance(others.get(name), Mapping)
     }
     return {**others, **values, **inner}
-
-
-def _replaced_in(throw: Mapping[str, Any]) -> Iterator[str]:
-    pins = throw.get("further_pins")
-    pins = pins if isinstance(pins, list) else []
-    left, right = (throw.get(f"{side}_web") for side in ("left", "right"))
-    of_both = (
-        left.keys() & right.keys() if isinstance(left, dict) and isinstance(right, dict) else ()
-    )
-    for kind in of_both:
-        if all(f"web_{kind}" in pin for pin in pins) or kind not in ("thickness", "width"):
-            yield kind if kind == "counterweight" else f"web_{kind}"
-    if {"main_journal_fillet_radius", "pin_fillet_radius"} <= throw.keys():
-        yield "fillet_radius"
-    for bore, pins_too in (("main_journal_bore", ()), ("pin_bore", pins)):
-        if bore not in throw and not any("bore" in pin for pin in pins_too):
-            yield f"{bore}_offset"
 
 
 def _fields(path: str, values: Mapping[str, Any]) -> Iterator[str]:

@@ -550,28 +550,19 @@ def _values_apart(
                 _values_apart(f"{field_name}[{place}]", item, sources, provenance)
                 for place, item in enumerate(value)
             ]
+        elif isinstance(value, dict):
+            extra = set(value) - {"value", "source", "assumed"}
+            if extra or {"source", "assumed"} <= set(value):
+                meant = "".join(did_you_mean(word, ("source", "assumed")) for word in sorted(extra))
+                raise InputError(
+                    f"{field_name}: given {value!r}; {meant}allowed with value is either source or assumed."
+                )
+            assumed = "assumed" in value
+            source = str(value["assumed"] if assumed else value.get("source", ""))
+            plain[name], provenance[field_name] = value["value"], (_cite(source, sources), assumed)
         else:
-            plain[name], origin = _split(field_name, value, sources)
-            if origin is not None:
-                provenance[field_name] = origin
+            plain[name] = value
     return plain
-
-
-def _split(
-    field_name: str, value: Any, sources: Mapping[str, str]
-) -> tuple[Any, tuple[str, bool] | None]:
-    """Separate a value from its source or assumption."""
-    if not isinstance(value, dict) or "value" not in value:
-        return value, None
-    extra = set(value) - {"value", "source", "assumed"}
-    if extra or {"source", "assumed"} <= set(value):
-        meant = "".join(did_you_mean(name, ("source", "assumed")) for name in sorted(extra))
-        raise InputError(
-            f"{field_name}: given {value!r}; {meant}allowed with value is either source or assumed."
-        )
-    if "assumed" in value:
-        return value["value"], (_cite(str(value["assumed"]), sources), True)
-    return value["value"], (_cite(str(value.get("source", "")), sources), False)
 
 
 def _cite(text: str, sources: Mapping[str, str]) -> str:
