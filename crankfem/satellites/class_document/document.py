@@ -242,7 +242,11 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
         DocumentPart(
             "excitation",
             "Harmonics of the tangential force",
-            () if load is None else (f"{_upper(load.sentence).rstrip('.')}.",),
+            ()
+            if load is None
+            else tuple(
+                f"{_upper(text).rstrip('.')}." for text in (load.sentence, load.rated.sentence)
+            ),
             (DocumentTable("tangential_harmonics", tables.harmonics_table(run)),),
         ),
         DocumentPart(
@@ -262,10 +266,27 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
         _normal(run, cases),
         _failing(run, cases),
         _barred(run, verdict),
+        _uncertainty(run),
         _dampers(run, cases),
         _limits(run, cases),
         _assumptions(run, cases),
     )
+
+
+def _uncertainty(run: EngineVibration) -> DocumentPart:
+    """What is uncertain of the kinds of vibration that are judged."""
+    assert run.assessment is not None
+    judged = ["torsional"] if tables.axial_limit_table(run) is None else ["torsional", "axial"]
+    sentences = [] if run.bearings is None else [_upper(run.bearings.stiffness_range)]
+    listed = []
+    for kind in judged:
+        for part in run.assessment.uncertainty[kind].parts():
+            if isinstance(part, Table):
+                listed.append(DocumentTable(f"uncertain_{kind}", part))
+            else:
+                sentences.append(part)
+    stated = tuple(f"{sentence.rstrip('.')}." for sentence in sentences)
+    return DocumentPart("uncertainty", "Uncertainty", stated, tuple(listed))
 
 
 def _findings(run: EngineVibration, cases: FiringCases) -> DocumentPart:

@@ -11,6 +11,7 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
+from crankfem.analyses.vibration.assessment import ROWS_SHOWN
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.reading.data_files import input_path
@@ -240,10 +241,15 @@ def test_findings_say_what_the_tables_hold(plant, cases):
         assert f"{place} with cylinder {number} failing" in sentence
         assert f"{100.0 * most:.3g} % of the permitted stress" in sentence
     assert "order 5 in mode 2 at 100.4 1/min" in said[3]
+    uncertainty = plant.assessment.uncertainty["torsional"]
+    assert len(parts["uncertainty"].sentences) >= len(uncertainty.spreads)
+    assert len(parts["uncertainty"].tables[0].table.rows) == min(
+        len(uncertainty.critical), ROWS_SHOWN
+    )
     (row,) = parts["barred"].tables[0].table.rows
     assert [speed * RPM for speed in row[:2]] == close([61.80, 72.81], rel=1e-3)
     # What is undecided comes before the verdict with the values used.
-    decided = replace(plant.assessment.decision, status="undecided", sentence="give this")
+    decided = replace(plant.assessment.decision, status="undecided", reasons=("give this",))
     open_ = replace(plant, assessment=replace(plant.assessment, decision=decided))
     headline = class_document(open_)[0].sentences[0]
     assert headline.startswith("Undecided: give this. With the values used, barred range needed, ")
@@ -253,8 +259,8 @@ TABLES = [
     *("engine", "masses", "shafts", "frequencies", "holzer_masses_1", "holzer_shafts_1"),
     *("vector_sums", "tangential_harmonics", "critical_speeds", "stress_normal"),
     *("stress_permitted", "stress_by_order", "torques", "stress_misfiring"),
-    *("stress_misfiring_each", "stress_cut_out", "stress_cut_out_each", "dampers"),
-    *("generator", "limits", "assumptions"),
+    *("stress_misfiring_each", "stress_cut_out", "stress_cut_out_each", "uncertain_torsional"),
+    *("dampers", "generator", "limits", "assumptions"),
 ]
 DIAGRAMS = ["modes_1", "vectors_1", "campbell", "stress_1"]
 
