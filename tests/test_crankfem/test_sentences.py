@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import pytest
 
+from crankbase.errors import InputError
 from crankbase.quantity import UNITS
 from crankbase.results import Result, contents
 from crankbase.sentences import END, START, Sentence, kept
@@ -97,3 +98,10 @@ def test_every_value_of_a_run_stays_a_value(engine, monkeypatch):
         if isinstance(part, Table):
             texts = [part.title, part.note, *(cell for row in part.texts(IMPERIAL) for cell in row)]
         assert not any(START in str(text) for text in texts)
+
+
+def test_a_text_with_the_marks_of_values_is_refused(tmp_path):
+    path = tmp_path / "engine.toml"
+    path.write_text(f'[engine]\nname = "{START}6|x{END}"\n', encoding="utf-8")
+    with pytest.raises(InputError, match=r"engine\.name: .* U\+E000"):
+        load_engine(path)

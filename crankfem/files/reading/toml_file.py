@@ -23,7 +23,7 @@ from crankbase.input_file import (
 from crankbase.model import InputModel, field_extra, inertia_field, part_kind
 from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
 from crankbase.results import Result
-from crankbase.sentences import with_sentences
+from crankbase.sentences import END, START, with_sentences
 from crankfem.files.reading.data_files import FILES_READ, InputFiles
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
@@ -106,6 +106,11 @@ def _check_text(name: str, field: str, text: str) -> None:
         raise InputError(
             f"{name}: {field}: given {text!r}, of {len(text)} characters; allowed is {LONGEST_TEXT} at most, "
             "because even a citation is shorter."
+        )
+    if START in text or END in text:
+        raise InputError(
+            f"{name}: {field}: given {text!r}; allowed are texts without U+E000 and U+E001, because these mark "
+            "values in sentences."
         )
 
 
