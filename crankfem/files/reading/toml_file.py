@@ -109,8 +109,8 @@ def _check_text(name: str, field: str, text: str) -> None:
         )
     if START in text or END in text:
         raise InputError(
-            f"{name}: {field}: given {text!r}; allowed are texts without U+E000 and U+E001, because these mark "
-            "values in sentences."
+            f"{name}: {field}: given {text!r}; allowed are texts without U+E000 and U+E001, because these "
+            "mark values in sentences."
         )
 
 
