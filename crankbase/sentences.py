@@ -273,12 +273,15 @@ class Sentence(str):
         return finished(kept(other) + self.marked)
 
     def removesuffix(self, suffix: str, /) -> str:
-        """Return it without an end."""
-        return finished(self.marked.removesuffix(suffix))
+        """Return it without an end; without its values if the end is in one."""
+        if self.marked.endswith(suffix):
+            return finished(self.marked.removesuffix(suffix))
+        return super().removesuffix(suffix)
 
     def rstrip(self, chars: str | None = None, /) -> str:
-        """Return it without letters at its end."""
-        return finished(self.marked.rstrip(chars))
+        """Return it without letters at its end; without its values if they are in one."""
+        left = finished(self.marked.rstrip(chars))
+        return left if str(left) == super().rstrip(chars) else super().rstrip(chars)
 
     def __getitem__(self, place: SupportsIndex | slice) -> str:
         """Return a part; of all but a first letter the values are kept."""

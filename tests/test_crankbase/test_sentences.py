@@ -92,6 +92,12 @@ def test_values_are_kept(keep):
     assert in_inches(text) == "width of 9.84 in"
 
 
+def test_what_is_cut_within_a_value_is_cut_as_in_any_text():
+    frequency = finished(amount(4.22, "Hz"))
+    assert frequency.removesuffix(" Hz") == "4.22"
+    assert frequency.rstrip("zH") == "4.22 "
+
+
 def test_a_person_s_text_is_never_touched():
     source = "the 500 mm bore series; doi 10.24143/2073-1574-2021-4-75-83, 12.3456 MPa"
     assert in_inches(source) == source
