@@ -152,7 +152,8 @@ class Fit(FitErrors):
             " ".join(filter(None, (columns[place] for place in term)))
             for term in form.natural_transformation()[0]
         ]
-        by_term = [f"({unit})/({term})" if term else unit for term in terms]
+        over = unit if unit == "1" else f"({unit})"
+        by_term = [f"{over}/({term})" if term else unit for term in terms]
         return dict(zip(self.coefficients, by_term, strict=True))
 
     @cached_property
