@@ -130,7 +130,8 @@ class Amount:
             size = UNITS[unit][1] if unit in UNITS else 1.0
         converted = units.of(unit) if units is not None and unit in UNITS else None
         if converted is not None and converted.wished:
-            kept = max(_digits(number), LEAST_DIGITS)
+            # What is written out, as 250000, has zeros that are no digits.
+            kept = max(min(_digits(number), digits), LEAST_DIGITS)
             number, size = converted.number(value, kept), converted.size
             unit = converted.name
         if most is not None and not self.exact:

@@ -65,7 +65,7 @@ class OutputUnit:
         text = f"{without_noise(value / self.size):.{digits}g}"
         if "e+" in text and abs(float(text)) < WRITTEN_OUT:
             return f"{float(text):.0f}"
-        return text
+        return text.replace("e+0", "e").replace("e+", "e")
 
     def fixed(self, value: float, decimals: int) -> str:
         """Write an SI number with a number of decimals of the SI unit; in another at least as finely."""

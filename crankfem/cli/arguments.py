@@ -328,7 +328,7 @@ def throw_text(throw: CrankThrow) -> list[str]:
     """Write the dimensions of a throw as NAME = VALUE, those that are there."""
     values = ((name, getattr(throw, name)) for name in type(throw).model_fields)
     return [
-        f"{name} = {format_quantity(value, field_unit(name) or '')}"
+        f"{name} = {amount(value, field_unit(name) or '')}"
         for name, value in values
         if isinstance(value, float) and value != 0.0
     ]

@@ -110,7 +110,7 @@ def _zimanenko_remarks(case: ThrowCase) -> Remarks:
         other = _zimanenko_with(case, case.throw.pin_diameter)
         yield Remark(
             "Reprints differ in the diameter of the term with 0.2 B/R: here it is the main "
-            f"journal's; with the crankpin's the value is {other * 1e9:.4g}e-9 rad/(N m)."
+            f"journal's; with the crankpin's the value is {amount(other, 'rad/(N m)', 4)}."
         )
 
 

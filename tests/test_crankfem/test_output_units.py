@@ -43,17 +43,20 @@ def test_without_a_wish_everything_stays_in_si():
 
 
 def test_large_numbers_have_no_exponent():
-    assert parse_output_units("in, lbf").of("kN m").number(30730.0) == "272000"
+    units = parse_output_units("in, lbf")
+    assert units.of("kN m").number(30730.0) == "272000"
+    # Beyond that a power of ten stands as in engine files.
+    assert units.of("N/m").number(9.5e9, 3) == "5.42e7"
 
 
 def test_quantities_in_sentences():
-    units = parse_output_units("imperial")
+    imperial = parse_output_units("imperial")
     given = (
         f"web_width: given {amount(0.34, 'm')}; the range is {listed((0.27, 0.33), 'm', 6, ' to ')}"
     )
     torque, compliance = amount(12e3, "N m"), amount(1.27e-9, "m/N")
     text = f"{given}, at {amount(515.0 / RPM, 'rad/s', 4)} and {torque}, {compliance}."
-    assert units.written(text) == (
+    assert imperial.written(text) == (
         "web_width: given 13.4 in; the range is 10.6 to 13 in, at 515 1/min and 106000 lbf in, "
         "2.22e-07 in/lbf."
     )
@@ -62,6 +65,8 @@ def test_quantities_in_sentences():
     angles = np.radians([60.0, 90.0, 120.0]).tolist()
     assert units.written(listed(angles, "rad")) == "1.05, 1.57, 2.09 rad"
     assert units.written(listed((0.005, 0.01), "m", 6, " and ")) == "0.197 and 0.394 in"
+    # Zeros of a number that is written out are no digits.
+    assert imperial.written(amount(3e6, "N s/m", 4)) == "17130 lbf s/in"
     # What has no mark is somebody's: a name, a source, a reason.
     for text in ("6ChN 25/34", "the 500 mm bore series", "doi 10.24143/2073-1574-2021-4-75-83"):
         assert units.written(text) == text
@@ -132,6 +137,17 @@ def test_lookup_in_other_units(call, model_file):
     out = call("lookup", model_file, *pairs, "--units", "in, lbf").out
     shown = float(re.search(r"axial compliance +pinned +([\d.]+)e-9 .* in/lbf", out)[1])
     assert shown * 1e-9 * INCH / FORCE == close(value, rel=1e-3)
+
+
+def test_sentences_of_a_file_and_of_a_formula_in_other_units(call):
+    told = call("check", "8chn13-14", "--full", "--units", "imperial").out
+    assert re.search(
+        r"Note: indicated power [\d.]+ hp at \d+ 1/min, mean indicated pressure [\d.]+ ksi", told
+    )
+    said = call("lookup", "law", "--throw", "8chn13-14", "--units", "in, lbf").out
+    assert re.search(r"^Throw of 8chn13-14: crank_radius = 2.76 in, ", said)
+    compared = call("formulas", "8chn13-14", "--no-fe", "--full", "--units", "in, lbf").out
+    assert re.search(r"the value is [\d.e-]+ rad/\(lbf in\)", " ".join(compared.split()))
 
 
 def test_units_in_a_file(call, tmp_path, six_cylinders):

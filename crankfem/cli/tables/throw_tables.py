@@ -330,7 +330,7 @@ def check_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str
             (Column("", "mm", _digits(length)), "value"),
             (Column("meaning", words=True), "meaning"),
         )
-    yield from _notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
+    yield from _notes((f"{kept(remark).rstrip('.')}." for remark in record["remarks"]), units)
     yield Table.of_records(
         "Inputs",
         record["inputs"],
