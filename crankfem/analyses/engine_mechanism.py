@@ -183,4 +183,7 @@ def engine_inputs(engine_file: EngineFile) -> tuple[InputFile, ...]:
     for point in () if gas_map is None else gas_map.points:
         inputs.append(files.named("gas_map.points.pressure_table", point.pressure_table, "tables"))
     inputs += [engine_file.torque_table, engine_file.model_file]
-    return tuple(dict.fromkeys(file for file in inputs if file))
+    read = [
+        file for file in inputs if file
+    ]  # how tables are read is told in mappings, which have no hash
+    return tuple(file for place, file in enumerate(read) if file not in read[:place])

@@ -11,6 +11,7 @@ import pytest
 
 from crankbase.errors import InputError
 from crankbase.model import part_kind
+from crankfem.analyses.engine_mechanism import engine_inputs
 from crankfem.files.chain.chain_build import KINDS
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.file_kinds import SECTIONS
@@ -383,3 +384,21 @@ def _all_parts(model):
     for info in model.model_fields.values():
         if (part := part_kind(info)) is not None:
             yield from _all_parts(part)
+
+
+def test_files_of_tables_are_named_however_they_are_read():
+    """How a table is read is told in a mapping."""
+    names = [file.path.name for file in engine_inputs(load_engine(FULL["full-vee"]))]
+    assert names[0] == "full-vee.toml"
+    assert set(names[1:]) == {"full-vee.xlsx"}
+
+
+@pytest.mark.further
+def test_a_whole_crankshaft_is_judged_as_far_as_the_gas_is_known(coupled_vibration):
+    """The rule of a limit goes to 1.15 of the rated speed, the map of the gas ends before."""
+    run = coupled_vibration(FULL["full-propeller"])
+    criticals = run.whole_crankshaft.criticals
+    speeds = [peak.speed for kind in criticals.values() for peak in kind.peaks]
+    assert criticals
+    last = max(point.speed for point in run.engine_file.gas_map.points)
+    assert all(speed <= last * (1.0 + 1e-9) for speed in speeds)

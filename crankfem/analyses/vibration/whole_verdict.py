@@ -187,12 +187,13 @@ def whole_criticals(
     """Return the whole crankshaft's critical speeds, by the kinds of vibration whose chain is inadequate.
 
     Torques [N m] in the elements of the torsional chain, axial motions [m] of the main bearings, from the
-    lowest running speed to the highest one judged.
+    lowest running speed to the highest one judged, or to the end of the gas pressures over the speed.
     """
     coupled = comparison.coupled
     if coupled is None:
         return {}
     ends, frequencies = assessment_end_speeds(engine_file), coupled.total.system.elastic_frequencies
+    judged = ends[0], min(ends[-1], float(coupled.speeds[-1]))  # a map of the gas may end before
     highest = engine_file.engine.highest_speed * (1.0 + 1e-9)
     criticals = {}
     for kind, verdict in comparison.chains.items():
@@ -200,7 +201,7 @@ def whole_criticals(
             continue
         torsional = kind == "torsional"
         quantities = whole_torques(coupled, cranks) if torsional else coupled.axial_motions
-        peaks, left_out = shaft_criticals(coupled, quantities, (ends[0], ends[-1]))
+        peaks, left_out = shaft_criticals(coupled, quantities, judged)
         criticals[kind] = WholeCriticals(
             left_out,
             tuple(
