@@ -14,6 +14,7 @@ from typing import Any, Protocol, Self, SupportsIndex, TypeVar, cast
 
 from crankbase.quantity import (
     DISPLAY_UNITS,
+    POWER_OF_TEN,
     UNBOUNDED,
     UNITS,
     compact_large,
@@ -26,10 +27,6 @@ class Shown(Protocol):
     """A unit in which values are shown, as `crankbase.table.OutputUnit`."""
 
     @property
-    def name(self) -> str:
-        """As it is written."""
-
-    @property
     def size(self) -> float:
         """In SI."""
 
@@ -37,8 +34,8 @@ class Shown(Protocol):
     def wished(self) -> bool:
         """Whether it replaces the usual one."""
 
-    def number(self, value: float | None, digits: int = 4) -> str:
-        """Write an SI number in it."""
+    def with_name(self, value: float | None, digits: int = 4) -> str:
+        """Write an SI number in it, with its name."""
 
 
 class Units(Protocol):
@@ -132,8 +129,10 @@ class Amount:
         if converted is not None and converted.wished:
             # What is written out, as 250000, has zeros that are no digits.
             kept = max(min(_digits(number), digits), LEAST_DIGITS)
-            number, size = converted.number(value, kept), converted.size
-            unit = converted.name
+            size = converted.size
+            if number.endswith("e-9"):  # as in tables
+                converted = cast("Units", units).of(f"{POWER_OF_TEN}{unit}")
+            number, _, unit = converted.with_name(value, kept).partition(" ")
         if most is not None and not self.exact:
             number = _cut(number, value / size, most)
         return (f"+{number}" if self.signed and value >= 0.0 else number), unit

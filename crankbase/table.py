@@ -29,6 +29,8 @@ from crankbase.units import Kind, NoUnitError, kind_of, kind_of_si, unit_quantit
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
 # A user who reads angles in degrees does not mean speeds in degrees per second.
 NEVER_APART = ("rad/s",)
+# From 1e5 times 1e-9, a compliance in large units is written without a power of ten, as 0.0025 mm/kN.
+WITHOUT_POWER = 1e5
 
 
 @dataclass(frozen=True)
@@ -81,7 +83,10 @@ class OutputUnit:
         if value is None:
             return text
         if self.name.startswith(POWER_OF_TEN):
-            return f"{text}e-9 {self.name.removeprefix(POWER_OF_TEN)}"
+            name = self.name.removeprefix(POWER_OF_TEN)
+            if self.wished and abs(value) >= WITHOUT_POWER * self.size:
+                return f"{value / (1e9 * self.size):.{digits}g} {name}"
+            return f"{text}e-9 {name}"
         return f"{text} {self.name}"
 
 

@@ -47,6 +47,7 @@ def test_large_numbers_have_no_exponent():
     assert units.of("kN m").number(30730.0) == "272000"
     # Beyond that a power of ten stands as in engine files.
     assert units.of("N/m").number(9.5e9, 3) == "5.42e7"
+    assert parse_output_units("mm, kN").quantity(2.521e-9, "m/N", 4) == "0.002521 mm/kN"
 
 
 def test_quantities_in_sentences():
@@ -58,7 +59,7 @@ def test_quantities_in_sentences():
     text = f"{given}, at {amount(515.0 / RPM, 'rad/s', 4)} and {torque}, {compliance}."
     assert imperial.written(text) == (
         "web_width: given 13.4 in; the range is 10.6 to 13 in, at 515 1/min and 106000 lbf in, "
-        "2.22e-07 in/lbf."
+        "222e-9 in/lbf."
     )
     # One unit behind a list is that of all its numbers.
     units = parse_output_units("in, rad")
@@ -67,6 +68,7 @@ def test_quantities_in_sentences():
     assert units.written(listed((0.005, 0.01), "m", 6, " and ")) == "0.197 and 0.394 in"
     # Zeros of a number that is written out are no digits.
     assert imperial.written(amount(3e6, "N s/m", 4)) == "17130 lbf s/in"
+    assert parse_output_units("mm, kN").written(amount(2.5e-9, "m/N")) == "0.0025 mm/kN"
     # What has no mark is somebody's: a name, a source, a reason.
     for text in ("6ChN 25/34", "the 500 mm bore series", "doi 10.24143/2073-1574-2021-4-75-83"):
         assert units.written(text) == text
