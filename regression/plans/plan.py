@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import whole_number
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
 from crankbase.summaries import summarized
@@ -299,7 +300,8 @@ class StudyPlan:
     Raises
     ------
     InputError
-        If a factor, relation or constraint names something unknown or does not fit the others.
+        If a factor, relation or constraint names something unknown or does not fit the others, or no
+        design is held out.
     """
 
     throw: CrankThrow
@@ -316,6 +318,7 @@ class StudyPlan:
     form: str | None = None
 
     def __post_init__(self) -> None:
+        whole_number("study.held_out", self.held_out, 1, "these designs judge the fits")
         if all(factor.labels for factor in self.factors):
             raise InputError(
                 f"study.factors: given {', '.join(self.names) or 'none'}; allowed is at least one factor "

@@ -406,3 +406,9 @@ def test_factors_that_cannot_be(make, message):
 )
 def test_unknown_fields(path, message):
     assert unknown_field(path, throw_fields(FACTOR_THROW), FACTOR_THROW).startswith(message)
+
+
+@pytest.mark.parametrize("count", [0, -1, 2.5])
+def test_some_designs_judge_the_fits(count):
+    with pytest.raises(InputError, match=r"study\.held_out: given .* judge the fits"):
+        StudyPlan(THROW, (WIDTH, THICKNESS), HYPERCUBE, held_out=count)
