@@ -14,6 +14,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_number
+from crankbase.sentences import amount, finished
 from fem.material import Material
 from regression.fits.forms import GROUPS, FittedForm, Term, code, group_named
 from regression.fits.selection import COVERAGE
@@ -26,7 +27,7 @@ from regression.plans.relations import (
     constraint_violations,
 )
 from regression.response_kinds import is_positive_response, response_scale
-from regression.throw_values import SAME, format_value
+from regression.throw_values import SAME
 
 # Smaller relative errors are rounding, and not told by their value.
 LEAST_SAID = 1e-5
@@ -165,7 +166,7 @@ class OutOfRange:
     @property
     def remark(self) -> str:
         """One sentence for a value that is returned nevertheless."""
-        return (
+        return finished(
             f"{self._given}; the range of the fit is {self._range}; "
             f"{format_number(100.0 * self.distance, 3)} % of its width outside it the error is unknown."
         )
@@ -173,7 +174,7 @@ class OutOfRange:
     @property
     def error_sentence(self) -> str:
         """One sentence for a value that is refused."""
-        return (
+        return finished(
             f"{self._given}; allowed is the range of the fit, {self._range}, because a result "
             f"{format_number(100.0 * self.distance, 3)} % of its width beyond it has no known error and "
             "strict results are requested."
@@ -186,19 +187,23 @@ class OutOfRange:
         if large or small or self.distance > FARTHEST:
             hint = " (mm given in place of m?)" if large and self.unit == "m" else ""
             raise InputError(
-                f"{self._given}; allowed is the range of the fit, {self._range}, or what is near it, because "
-                f"{FARTHEST:g} times beyond it the equation is meaningless{hint}."
+                finished(
+                    f"{self._given}; allowed is the range of the fit, {self._range}, or what is near it, "
+                    f"because {FARTHEST:g} times beyond it the equation is meaningless{hint}."
+                )
             )
 
     @property
     def _given(self) -> str:
         several = f" (and {self.number - 1} more)" if self.number > 1 else ""
-        return f"{self.name}: given {format_value(self.name, self.value, self.unit)}{several}"
+        return f"{self.name}: given {self._shown(self.value)}{several}"
 
     @property
     def _range(self) -> str:
-        low, high = (format_value(self.name, v, self.unit) for v in (self.lowest, self.highest))
-        return f"{low} to {high}"
+        return f"{self._shown(self.lowest)} to {self._shown(self.highest)}"
+
+    def _shown(self, value: float) -> str:
+        return amount(value, self.unit) if self.unit else f"{value:g}"
 
 
 def edges(lowest: float, highest: float) -> tuple[float, float]:

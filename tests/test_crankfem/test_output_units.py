@@ -139,6 +139,9 @@ def test_lookup_in_other_units(call, model_file):
     out = call("lookup", model_file, *pairs, "--units", "in, lbf").out
     shown = float(re.search(r"axial compliance +pinned +([\d.]+)e-9 .* in/lbf", out)[1])
     assert shown * 1e-9 * INCH / FORCE == close(value, rel=1e-3)
+    outside = call("lookup", model_file, "web_width=300mm", "web_thickness=100mm", "--units", "in")
+    assert "web_thickness: given 3.94 in; the range of the fit is " in outside.out
+    assert " mm" not in outside.out
 
 
 def test_sentences_of_a_file_and_of_a_formula_in_other_units(call):
