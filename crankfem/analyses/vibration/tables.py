@@ -389,6 +389,9 @@ def whole_critical_table(whole: WholeVibration, kind: str) -> Table:
     count = max(ROWS_SHOWN, sum(peak.share >= 1.0 for peak in largest))
     shown = sorted(largest[:count], key=lambda peak: peak.speed)
     left = criticals.left_out + len(largest) - len(shown)
+    note = "None is left out." if shown else "No order has a peak at the speeds judged."
+    if left:
+        note = f"{left} {'is' if left == 1 else 'are'} left out, none the largest of its place."
     return Table.of_records(
         f"Critical speeds of the whole crankshaft: {kind} "
         f"{'motion' if kind == 'axial' else 'torque'} by one order",
@@ -400,9 +403,7 @@ def whole_critical_table(whole: WholeVibration, kind: str) -> Table:
         (Column("mode", missing="none"), lambda peak: peak.mode or None),
         (Column("damping", "%", decimals=2, missing="-"), "damping_ratio"),
         (Column("range", words=True), lambda peak: "running" if peak.in_running_range else "above"),
-        note=f"{left} {'is' if left == 1 else 'are'} left out, none the largest of its place."
-        if left
-        else "None is left out.",
+        note=note,
     )
 
 
