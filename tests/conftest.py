@@ -2,6 +2,7 @@ import contextlib
 import gc
 import inspect
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -184,3 +185,30 @@ def own(tmp_path, interruptible):
             owner.process.wait()
             for child in left:
                 child.kill()
+
+
+# Graphics are calculated by the processor: test machines have no screen.
+FLAGS = (
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Debian's Chromium, one for all tests of a process."""
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="pages are looked at in a browser with crankfem[browser]"
+    )
+    if (chromium := shutil.which("chromium")) is None:
+        pytest.skip("there is no chromium")
+    with playwright.sync_playwright() as started:
+        opened = started.chromium.launch(executable_path=chromium, args=list(FLAGS))
+        yield opened
+        opened.close()

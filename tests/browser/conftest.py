@@ -1,25 +1,11 @@
-"""A finished run of a shipped engine, with everything rendered, and a browser without a network."""
-
-import shutil
+"""A finished run of a shipped engine, with everything rendered, and pages opened without a network."""
 
 import pytest
 
 from crankfem.jobs.pipeline import run_engine
 
-playwright = pytest.importorskip(
+pytest.importorskip(
     "playwright.sync_api", reason="pages are looked at in a browser with crankfem[browser]"
-)
-CHROMIUM = shutil.which("chromium")
-# Graphics are calculated by the processor: test machines have no screen.
-FLAGS = (
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
 )
 
 
@@ -27,16 +13,6 @@ FLAGS = (
 def report(tmp_path_factory):
     """The report of the six-cylinder engine."""
     return run_engine("6chn25-34", tmp_path_factory.mktemp("run") / "six").report
-
-
-@pytest.fixture(scope="session")
-def browser():
-    if CHROMIUM is None:
-        pytest.skip("there is no chromium")
-    with playwright.sync_playwright() as started:
-        opened = started.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
-        yield opened
-        opened.close()
 
 
 @pytest.fixture

@@ -222,13 +222,21 @@ def _engine(
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_files import results_text
     from crankfem.report.summary import summary
+    from crankfem.report.text_filters import printed
+
+    def shown(value: Any) -> Any:
+        """Write the values of texts as the report does."""
+        if isinstance(value, Mapping):
+            return {name: shown(part) for name, part in value.items()}
+        return [*map(shown, value)] if isinstance(value, list | tuple) else printed(value)
 
     content = _kept_upload(question, folder)
     made = run_engine(content, folder / "results", workers=workers, progress=reporter)
     write_text(folder / RESULT, results_text(made.results), "results")
     first = summary(made.results)
-    shown = {name: first[name] for name in ("status", "headline", "tiles", "findings", "plot")}
-    write_text(folder / FIRST_SCREEN, json_text(shown), "results")
+    screen = {name: first[name] for name in ("status", "headline", "tiles", "plot")}
+    screen["findings"] = [(finding.about, line) for finding, line in first["findings"]]
+    write_text(folder / FIRST_SCREEN, json_text(shown(screen)), "results")
 
 
 def _write(folder: Path, content: dict[str, Any] | Result) -> None:

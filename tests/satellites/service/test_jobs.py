@@ -125,11 +125,11 @@ def finished(service, name, least):
 @pytest.mark.further
 def test_the_memory_of_a_job_is_that_of_all_its_processes(serve, tmp_path):
     # Neither the process of the job nor one of its two workers alone takes as much.
-    service = serve(tmp_path, job_memory=0.6e9, workers=2)
+    service = serve(tmp_path, job_memory=0.5e9, workers=2)
     _, told = service.json("/api/studies", {"text": STUDY, "name": "study.toml"})
     ended = service.wait(told["id"], "done", "failed")
     assert ended["state"] == "failed"
-    assert "GB of memory, more than the limit of 0.6 GB" in ended["problem"]["detail"]
+    assert "GB of memory, more than the limit of 0.5 GB" in ended["problem"]["detail"]
     assert "GB of memory" in ended["notes"][0]
     assert service.end() == 0
 
@@ -190,6 +190,9 @@ def test_an_engine_is_run_and_reported(service, tmp_path):
     assert status == 200
     assert headers["Content-Security-Policy"].startswith("sandbox")
     assert b"crankshaft vibration" in report
+    _, screen = service.json(f"/api/jobs/{job.id}/files/first_screen.json")
+    assert 0 < len(screen["findings"]) <= 3
+    assert all(about and line for about, line in screen["findings"])
     assert f"job-{job.id}" in client.models() or found["study"] is None
 
 

@@ -4,7 +4,6 @@ import re
 
 import pytest
 
-from browser.conftest import browser  # noqa: F401
 from comparing import close
 from crankfem import STEEL, CrankThrow, Material, analyze_throw, axial_law, load_throw
 from crankfem.files.engine.new_file import engine_template
@@ -38,7 +37,7 @@ def served(tmp_path_factory, models):
 
 
 @pytest.fixture
-def open_service(browser, served):  # noqa: F811
+def open_service(browser, served):
     """Open the page; what it asked for and complained of is kept."""
     contexts = []
 

@@ -120,7 +120,7 @@ async function showVerdict(job) {
     made("div", { className: `card ${mark}` },
       made("dt", { textContent: label }), made("dd", { className: "value", textContent: value }),
       ...details.map((line) => made("dd", { textContent: line }))));
-  const findings = first.findings.map(([label, , line]) => made("li", {}, made("b", { textContent: `${label}: ` }), line));
+  const findings = first.findings.map(([label, line]) => made("li", {}, made("b", { textContent: `${label}: ` }), line));
   const figure = made("figure", { className: "deciding" });
   byId("verdict").replaceChildren(
     made("h2", { id: "verdict-title", className: first.status, textContent: `${job.title}: ${first.headline}` }),
