@@ -347,7 +347,8 @@ def with_sentences(cls: type[T]) -> type[T]:
     """Make what a data class says in its fields and properties finished sentences."""
     texts = [entry.name for entry in fields(cast("type[Any]", cls)) if "str" in str(entry.type)]
     if texts:
-        cls.__init__ = _finishing(cls.__init__, texts)  # type: ignore[method-assign]
+        made = cast("Any", cls)
+        made.__init__ = _finishing(made.__init__, texts)
     for entry in list(vars(cls).values()):
         getter = getattr(entry, "fget", None) or getattr(entry, "func", None)
         if getter is not None and "str" in str(getter.__annotations__.get("return", "")):
@@ -360,14 +361,14 @@ def with_sentences(cls: type[T]) -> type[T]:
 
 def _finishing(init: Callable[..., None], texts: list[str]) -> Callable[..., None]:
     @wraps(init)
-    def __init__(self: Any, *args: Any, **named: Any) -> None:  # noqa: N807 - it becomes one
+    def start(self: Any, *args: Any, **named: Any) -> None:
         init(self, *args, **named)
         for name in texts:
             value = vars(self)[name]
             if (text := _as_sentences(value)) is not value:
                 vars(self)[name] = text
 
-    return __init__
+    return start
 
 
 def _finished(getter: Callable[[Any], Any]) -> Callable[[Any], Any]:

@@ -180,16 +180,16 @@ def coarsely(unseen, monkeypatch):
     analyze_coarsely(monkeypatch)
 
 
+@cache
+def _coarsely_analyzed(name):  # of a process, whichever folder of tests takes the fixture
+    engine = load_engine(name)
+    return engine, analyze_throw(engine.throw, engine.material, 0.1)
+
+
 @pytest.fixture(scope="session")
 def coarse_throw():
     """Read a shipped engine and analyze its throw as coarsely as may be: (engine file, analysis)."""
-
-    @cache
-    def analyzed(name):
-        engine = load_engine(name)
-        return engine, analyze_throw(engine.throw, engine.material, 0.1)
-
-    return analyzed
+    return _coarsely_analyzed
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,6 @@
 """One quantity has one value wherever it is told: pairs of places that calculate it are compared."""
 
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,9 +25,10 @@ ENGINES = ["yamz-5340", "7l32-40-set"]
 INTEGRALS = 1e-6
 
 
-@pytest.fixture(scope="module", params=ENGINES)
-def told(request):
-    engine = load_engine(request.param)
+@cache
+def results_of(name):
+    """Results of a shipped engine, once for all files of tests."""
+    engine = load_engine(name)
     analyses = {
         name: analyze_throw(throw, engine.material, 0.1, sections="rigid")
         for name, throw in engine.named_throws.items()
@@ -37,6 +39,11 @@ def told(request):
         run=run,
         in_mechanism=run_mechanism(engine),
     )
+
+
+@pytest.fixture(scope="module", params=ENGINES)
+def told(request):
+    return results_of(request.param)
 
 
 def at_rated(told, speeds):
@@ -150,11 +157,11 @@ def test_use_of_a_limit_by_a_peak_alone(told):
     forced = told.run.forced_torsional
     limit = told.run.assessment.limits["crankshaft_stress"]
     names = list(forced.stress.names)
-    told_of = [
+    results_of = [
         peak for peak in forced.peaks if peak.place in names and np.isfinite(peak.limit_used)
     ]
-    assert told_of
-    for peak in told_of:
+    assert results_of
+    for peak in results_of:
         modulus = forced.moduli[list(forced.loads.elastic.names).index(peak.place)]
         own = peak.amplitude / modulus / limit.continuous.at(np.array([peak.speed]))[0]
         assert peak.limit_used == close(own, rel=1e-6)

@@ -205,22 +205,16 @@ def test_normal_firing_is_that_of_the_vibration_run(plant, cases):
 @pytest.mark.further
 def test_failing_cylinders_are_those_of_a_calculation_of_their_own(plant, cases):
     """Misfiring beside the vibration run; cut out beside one that is told to have no compression."""
-    check = next(one for one in plant.misfiring.checks if one.quantity.endswith("crankshaft"))
-    worst = max(
-        cases.failing[MISFIRING][number].kept[STRESS, place].used
-        for number in cases.failing[MISFIRING]
-        for place in plant.forced_torsional.stress.names
-    )
-    assert worst == close(check.misfiring.used, rel=2e-3)
     cold = plant.engine_file.changed(misfire={"compression": False})
     other = engine_vibration(cold, analysis=plant.analysis)
-    check = next(one for one in other.misfiring.checks if one.quantity.endswith("crankshaft"))
-    worst = max(
-        cases.failing[CUT_OUT][number].kept[STRESS, place].used
-        for number in cases.failing[CUT_OUT]
-        for place in plant.forced_torsional.stress.names
-    )
-    assert worst == close(check.misfiring.used, rel=2e-3)
+    for way, run in ((MISFIRING, plant), (CUT_OUT, other)):
+        check = next(one for one in run.misfiring.checks if one.quantity.endswith("crankshaft"))
+        worst = max(
+            cases.failing[way][number].kept[STRESS, place].used
+            for number in cases.failing[way]
+            for place in plant.forced_torsional.stress.names
+        )
+        assert worst == close(check.misfiring.used, rel=2e-3), way
 
 
 @pytest.mark.further

@@ -13,23 +13,28 @@ from crankfem.satellites.class_document.firing_cases import (
     heat_of,
 )
 from crankfem.satellites.class_document.tables import damper_table, mode_stars
-from test_crankfem.test_one_definition import at_rated, told  # noqa: F401
+from test_crankfem.test_one_definition import ENGINES, at_rated, results_of
 from test_crankfem.test_whole_shaft import PLACES, with_limited_line
 
 pytestmark = pytest.mark.further
 
 
+@pytest.fixture(scope="module", params=ENGINES)
+def told(request):
+    return results_of(request.param)
+
+
 @pytest.fixture(scope="module")
-def firing(told):  # noqa: F811
+def firing(told):
     return firing_cases(told.run)
 
 
-def test_torque_at_rated_speed(told, firing):  # noqa: F811
+def test_torque_at_rated_speed(told, firing):
     mean = firing.mean_torque[at_rated(told, firing.speeds)]
     assert mean == close(told.in_mechanism.torque.mean, rel=1e-12)
 
 
-def test_largest_stress_in_verdict_misfiring_and_class_document(told, firing):  # noqa: F811
+def test_largest_stress_in_verdict_misfiring_and_class_document(told, firing):
     cases, elements = firing, told.run.forced_torsional.stress.names
     (check,) = (
         own
@@ -48,7 +53,7 @@ def test_largest_stress_in_verdict_misfiring_and_class_document(told, firing):  
     assert worst.used == close(check.normal.used, rel=1e-5)
 
 
-def test_heat_of_dampers(told, firing):  # noqa: F811
+def test_heat_of_dampers(told, firing):
     power, loads = told.run.forced_torsional.power, told.run.forced_torsional.loads
     chain = told.run.torsional_chain
     for place, name in enumerate(power.dashpot_names):
@@ -71,7 +76,7 @@ def test_heat_of_dampers(told, firing):  # noqa: F811
         assert heat == close(most, rel=1e-9)
 
 
-def test_vector_sums_of_the_cylinders(told):  # noqa: F811
+def test_vector_sums_of_the_cylinders(told):
     vibration = told.run.torsional
     rigid = vibration.chosen.modes.rigid
     assert vibration.criticals

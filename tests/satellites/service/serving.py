@@ -9,10 +9,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from contextlib import ExitStack
 from pathlib import Path
-
-import pytest
 
 from throws import MEDIUM_SPEED, MEDIUM_SPEED_TOML
 
@@ -130,13 +127,6 @@ class Served:
         return self.process.returncode
 
 
-@pytest.fixture
-def serve():
-    """Start services that end with the test."""
-    with ExitStack() as started:
-        yield lambda *options, **bounds: started.enter_context(Served(*options, **bounds))
-
-
 def save_model(folder):
     """Keep a model of a throw in a folder, six.json."""
     from crankfem import STEEL, CrankThrow
@@ -146,26 +136,7 @@ def save_model(folder):
     known_model(CrankThrow(**THROW), STEEL, compliances, 0.01).save(folder / "six.json")
 
 
-@pytest.fixture(scope="session")
-def models(tmp_path_factory):
-    """A folder with one model."""
-    folder = tmp_path_factory.mktemp("models")
-    save_model(folder)
-    return folder
-
-
-@pytest.fixture(scope="session")
-def service(tmp_path_factory, models):
-    with Served(tmp_path_factory.mktemp("service"), "--models", str(models)) as served:
-        yield served
-
-
 THROW = dict(MEDIUM_SPEED)
-
-
-@pytest.fixture
-def throw():
-    return dict(THROW)
 
 
 STUDY = f"""
