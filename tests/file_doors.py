@@ -218,22 +218,6 @@ def _plain(record: Any) -> Any:
     return record
 
 
-def frequency(kind: Any) -> Door:
-    """The limit that an optimum has on an engine's first frequency, of a throw that is given."""
-
-    def asked(file: Path) -> Answer:
-        from crankfem.analyses.engine_optimum import engine_frequencies
-        from crankfem.files.engine.engine_file import load_engine
-        from crankfem.files.engine.used_values import not_used
-        from crankfem.files.reading.toml_file import read_toml
-
-        found = engine_frequencies(load_engine(file))
-        value = found.axial(1e-9) if kind == "axial" else found.torsional(3e-8)
-        return Answer(value, not_used(read_toml(file), f"optimum --first_{kind}_frequency"))
-
-    return asked
-
-
 def without(*sections: str, door: Door) -> Door:
     """A door for the file without some sections: cheaper, and a part of the answer with them."""
 
@@ -350,11 +334,9 @@ DOORS: dict[str, tuple[str | Door, ...]] = {
     "harmonics": ("engine", command("harmonics", "FILE")),
     "plan": ("engine", command("plan", "FILE")),
     "two-mass": ("engine", command("two-mass", "FILE")),
-    "optimum, axial": ("engine", frequency("axial")),
-    "optimum, torsional": ("engine", frequency("torsional")),
     "vibration": ("engine", modes, forced),
     "vibration --coupled": ("engine", modes, forced, coupled),
-    **{name: ("engine", torsional(modes), door) for name, door in of_satellites("DOORS").items()},
+    **{name: ("engine", *doors) for name, doors in of_satellites("DOORS").items()},
     "run": ("engine", modes, command("mechanism", "FILE"), forced, coupled, rest_of_run),
     "stress": ("engine", command("stress", "FILE", "--accuracy", "0.2")),
     **{kind: (kind, command(own.command, "FILE")) for kind, own in satellite_files().items()},

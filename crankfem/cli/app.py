@@ -65,9 +65,6 @@ COMMANDS: dict[str, dict[str, tuple[str, ...]]] = {
             "lookup model.json web_width=300mm web_thickness=68mm pin_length=139mm",
             'lookup model.json --throw 6chn25-34 --gamma "120 deg"',
         ),
-        "lookup:optimum": (
-            "optimum model.json --minimize web_thickness --limit 'axial_compliance <= 1.2e-9 m/N'",
-        ),
     },
     "Forces": {
         "mechanism:mechanism": (

@@ -3,13 +3,11 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from crankbase.array_checks import refuse_crank_radians
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError
-from crankbase.input_file import STEP_ENDINGS
 from crankbase.model import limits_of, range_text
 from crankbase.quantity import format_quantity, parse_quantity
 from crankbase.sentences import amount
@@ -20,9 +18,8 @@ from regression.throw_values import field_unit
 
 if TYPE_CHECKING:
     from crankfem.files.reading.toml_file import TomlFile
-    from geometry.mesher import Throw
     from regression.models.compliance_model import ComplianceModel
-    from regression.optimum import Limit, Searched
+    from regression.models.family import Family
 
 
 def parse_gamma(text: str, quiet: bool = False) -> float:
@@ -111,45 +108,6 @@ def select_throw(
     return load_throw(engine, name)
 
 
-def select_part(
-    engine: str, name: str | None, pins: Sequence[str] | None, quiet: bool = False
-) -> tuple["Throw", Material]:
-    """Select a throw of a file, or read a CAD part of steel from a STEP file.
-
-    Parameters
-    ----------
-    engine : str
-        File, or the name of a shipped engine.
-    name : str, optional
-        From `--throw`, for files of dimensions.
-    pins : sequence of str, optional
-        Names of the pins' faces, for STEP files.
-    quiet : bool
-        Whether to omit notes.
-    """
-    if Path(engine).suffix.lower() not in STEP_ENDINGS:
-        if pins:
-            raise InputError(
-                f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
-            )
-        return select_throw(engine, name, quiet)
-    if name is not None:
-        raise InputError(
-            f"--throw: given {name!r} with a STEP file; allowed only with a TOML file, because a part is one "
-            "throw."
-        )
-    from geometry.imported import import_throw
-
-    part = import_throw(engine, pins=pins or ("pin",))
-    for remark in part.remarks:
-        console.print_note(remark, quiet)
-    return part, STEEL
-
-
-_LIMIT = re.compile(r"\s*(?P<name>[\w.]+)\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
-_BOUND = re.compile(r"\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
-
-
 def model_dimensions(model: "ComplianceModel", pairs: Sequence[str]) -> dict[str, float | str]:
     """Read NAME=VALUE pairs: quantities with units, plain numbers, and labels of choices."""
     family = model.family
@@ -166,32 +124,6 @@ def model_dimensions(model: "ComplianceModel", pairs: Sequence[str]) -> dict[str
     return console.parse_pairs(pairs, convert)
 
 
-def parse_range(name: str, text: str) -> tuple[float, float]:
-    """Read the range of a dimension of a throw, like "300mm..380mm" [SI].
-
-    Examples
-    --------
-    >>> parse_range("web_width", "300..380 mm")
-    (0.3, 0.38)
-    """
-    unit = field_unit(name)
-    low, dots, high = text.partition("..")
-    if not unit:
-        from geometry.throw import CrankThrow
-
-        meant = did_you_mean(name, CrankThrow.model_fields)
-        raise InputError(
-            f"--vary: given {name!r}; {meant}allowed are dimensions of a throw, like "
-            "web_width=300mm..380mm."
-        )
-    if not dots:
-        raise InputError(
-            f"--vary: given {name}={text}; allowed is a range with two points, like 300mm..380mm."
-        )
-    first, last = parse_quantities(f"{low},{high}", unit, f"--vary {name}")
-    return first, last
-
-
 def parse_value(name: str, text: str, unit: str) -> float:
     """Read a quantity with its unit, or a pure number where the unit is ""."""
     if unit:
@@ -203,48 +135,10 @@ def parse_value(name: str, text: str, unit: str) -> float:
     return parse_quantity(number, unit, name)
 
 
-def parse_limit(model: "Searched", text: str) -> "Limit":
-    """Read a limit on a response or dimension, like "axial_compliance <= 1.2e-9 m/N"."""
-    from regression.optimum import Limit, check_known
-
-    match = _LIMIT.fullmatch(text)
-    if match is None:
-        raise InputError(
-            f"--limit: given {text!r}; allowed is NAME <= VALUE or NAME >= VALUE, like "
-            '"axial_compliance <= 1.2e-9 m/N".'
-        )
-    name = match["name"]
-    response = model.responses.get(name)
-    units = model.family.all_units
-    check_known(model, name, "--limit")
-    unit = units[name] if response is None else response.unit
-    bound = parse_value(name, match["value"], unit)
-    if match["sign"] == "<=":
-        return Limit((name,), at_most=bound, unit=unit)
-    return Limit((name,), at_least=bound, unit=unit)
-
-
-def parse_bound(option: str, text: str) -> float:
-    """Read a lower bound of a frequency, like ">= 40 Hz" or "40 Hz" [Hz]."""
-    match = _BOUND.fullmatch(text)
-    if match is not None and match["sign"] == "<=":
-        raise InputError(
-            f'{option}: given {text!r}; allowed is at least a frequency, like ">= 40 Hz", because a '
-            "shaft is made stiffer to bring its frequency above the speeds."
-        )
-    value = parse_quantity(text if match is None else match["value"], "Hz", option)
-    if not value > 0.0:
-        raise InputError(f"{option}: given {text!r}; allowed is a frequency above 0 Hz.")
-    return value
-
-
-def dimensions_text(
-    model: "ComplianceModel | Searched", dimensions: Mapping[str, float | str]
-) -> list[str]:
+def dimensions_text(family: "Family", dimensions: Mapping[str, float | str]) -> list[str]:
     """Write dimensions as NAME = VALUE."""
-    unit = model.family.unit
     return [
-        f"{name} = {value if isinstance(value, str) else amount(value, unit(name))}"
+        f"{name} = {value if isinstance(value, str) else amount(value, family.unit(name))}"
         for name, value in dimensions.items()
     ]
 

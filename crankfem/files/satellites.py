@@ -9,7 +9,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-SATELLITES = ("hinge", "class_document", "service")
+SATELLITES = ("hinge", "class_document", "service", "optimum")
 
 
 def at_place(place: str, package: str = "crankfem.satellites") -> Any:
@@ -52,15 +52,18 @@ class UseOfEngines:
 
     Attributes
     ----------
-    needs : frozenset of str
-        Sections of which it needs one, beside those of a whole engine.
     used : str
-        Place of the function that returns what it uses of a file's sections, and what not, as `USES` of
-        `crankfem.files.engine.used_values` has it.
+        Place of the function that returns what it uses of a file's sections, in a case, and what not, as
+        `USES` of `crankfem.files.engine.used_values` has it.
+    needs : frozenset of str
+        Sections of which it needs one, beside those of a whole engine, where this file is enough for it.
+    case : str
+        Place of the function that names the case from the command's arguments, if there are several.
     """
 
-    needs: frozenset[str]
     used: str
+    needs: frozenset[str] = frozenset()
+    case: str = ""
 
 
 @dataclass(frozen=True)

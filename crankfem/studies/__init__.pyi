@@ -1,8 +1,8 @@
 """Public names of this topic and their homes."""
 
 from crankfem.analyses.study.response_fits import ResponseFits as ResponseFits
-from crankfem.analyses.throw_optimum import SearchInterrupted as SearchInterrupted
-from crankfem.analyses.throw_optimum import best_throw as best_throw
+from crankfem.satellites.optimum.throw_search import SearchInterrupted as SearchInterrupted
+from crankfem.satellites.optimum.throw_search import best_throw as best_throw
 from regression.fits.fit import Fit as Fit
 from regression.models.lookup import Lookups as Lookups
 from regression.models.lookup import ReactionLookup as ReactionLookup

@@ -42,8 +42,10 @@ from file_doors import (
 from file_fields import fields
 from fitted_models import known_model
 from regression.models.compliance_model import ComplianceModel
+from satellite_cases import of_satellites
 
 DATA = Path(__file__).parents[1] / "data"
+EVERY_USE = {**USES, **of_satellites("USES")}
 # Files that together have every field.
 FULL = {path.stem: path for path in sorted(DATA.rglob("full-*.toml"))}
 # Sections with the fields of another one, which are read by its model.
@@ -90,30 +92,6 @@ def test_no_value_of_a_file_is_dropped_unsaid(name, file, tmp_path):
     assert CHANGED in outcomes
     assert NAMED in outcomes or file == "full-throw"  # which is a plan and no more
     assert {*outcomes} <= {CHANGED, NAMED, REFUSED}
-
-
-AXIAL, TORSIONAL = "first_axial_frequency", "first_torsional_frequency"
-VARY = {"vary": ["web_width=300mm..380mm"]}
-
-
-@pytest.mark.parametrize(
-    ("given", "unused", "used"),
-    [
-        ({}, {"flywheel", "thrust_bearing", "engine"}, set()),
-        ({AXIAL: ">= 40 Hz"}, {"flywheel.inertia", "rod", "gas"}, {"flywheel.mass"}),
-        ({TORSIONAL: ">= 40 Hz"}, {"flywheel.mass", "gas"}, {"flywheel.inertia", "rod.mass"}),
-        # The search of throws has both frequencies among its responses.
-        ({AXIAL: ">= 40 Hz", **VARY}, {"gas"}, {"flywheel.mass", "flywheel.inertia"}),
-        ({"limits": [f"{AXIAL} >= 40 Hz"]}, {"flywheel", "engine"}, set()),
-        ({"limits": [f"{TORSIONAL} >= 40 Hz"], **VARY}, {"study"}, {"flywheel.inertia"}),
-        ({AXIAL: ">= 40 Hz", TORSIONAL: ">= 40 Hz"}, {"gas"}, {"flywheel.mass", "rod.mass"}),
-    ],
-)
-def test_an_optimum_uses_what_its_frequencies_depend_on(given, unused, used):
-    asked = {"vary": None, "minimize": "mass", "limits": None, AXIAL: None, TORSIONAL: None} | given
-    named = not_used_of("6chn25-34", command_use("optimum", asked))
-    assert unused <= {*named}
-    assert not {part for field in used for part in (field, field.partition(".")[0])} & {*named}
 
 
 def test_a_saved_model_replaces_that_of_the_file(tmp_path, six_cylinders, edit):
@@ -283,7 +261,7 @@ def test_what_is_not_used_of_a_file_with_errors_is_no_error(text, tmp_path):
     file = tmp_path / "wrong.toml"
     file.write_text(text, encoding="utf-8")
     content = read_toml(file)
-    for name in USES:
+    for name in EVERY_USE:
         with contextlib.suppress(InputError):
             assert isinstance(not_used(content, name), tuple)
 
@@ -357,10 +335,10 @@ def test_damping_that_varies_over_none_is_refused():
     assert varying.of(1e3, damping=2.0).damping == 2.0
 
 
-@pytest.mark.parametrize("command", USES)
+@pytest.mark.parametrize("command", EVERY_USE)
 def test_what_commands_use_is_there(command):
     """No section or field of the table is one that files do not have."""
-    used, without = USES[command]
+    used, without = EVERY_USE[command]
     names = {name.removeprefix("*.").replace("throws.*", "throw") for name in (*used, *without)} - {
         ALL
     }

@@ -59,11 +59,11 @@ def test_a_file_that_is_being_written_is_taken_away_by_an_interrupt(own):
 
 COMMANDS = typer.main.get_command(app).commands
 ENDINGS = (".toml", ".json", ".sqlite", ".csv")
-# Commands by their arguments that are files to read; "new" writes the one it is given, three need more.
+# Commands by their arguments that are files to read; "new" writes the one it is given, two need more.
 LINES = [
     (name, *("PATH" for argument in arguments))
     for name, command in COMMANDS.items()
-    if name not in ("new", "export", "optimum", "designs", "import", "results")
+    if name not in ("new", "export", "designs", "import", "results")
     and name not in of_satellites("READS")
     and (
         arguments := [
@@ -76,7 +76,6 @@ LINES = [
 ]
 LINES += [
     ("export", "PATH", "throw.step"),
-    ("optimum", "PATH", "--minimize", "web_thickness"),
     ("run", "6chn25-34", "--model", "PATH"),
     ("vibration", "6chn25-34", "--model", "PATH"),
     ("mechanism", "PATH"),

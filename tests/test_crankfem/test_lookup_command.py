@@ -1,20 +1,15 @@
 """Commands and engines that ask a compliance model or the law."""
 
-import itertools
 import json
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import typer
 from typer.testing import CliRunner
 
-import crankfem.analyses.engine_optimum
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.analyses.engine_optimum import EngineFrequencies, frequency_limit
-from crankfem.analyses.shaft.chains import engine_torsional_chain
 from crankfem.analyses.shaft.sources import (
     axial_sources,
     compliances_in_shaft,
@@ -25,19 +20,16 @@ from crankfem.analyses.shaft.sources import (
 )
 from crankfem.analyses.throw.law_record import LawResults, law_answers, law_results
 from crankfem.cli.arguments import law_throw
-from crankfem.cli.commands import lookup as optimum_command
-from crankfem.cli.commands.lookup import lookup, optimum
+from crankfem.cli.commands.lookup import lookup
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
 from crankfem.jobs.run_computation import read_inputs
-from dynamics.chains.engine_chains import axial_chain
 from fem.analysis import analyze_throw
 from fem.angle_law import AngleLaw
 from fem.material import STEEL
-from fitted_models import known_model
+from fitted_models import SIZES, THROW, known_model, made_model
 from geometry.throw import CrankThrow
-from regression import optimum as optimum_module
 from regression.fits.fits import fit_form
 from regression.law.throw_law import axial_law, torsional_law
 from regression.models.compliance_model import ComplianceModel
@@ -46,44 +38,6 @@ from regression.response_kinds import GUIDED_MOMENTS
 from throws import MEDIUM_SPEED
 
 ENGINE = "6chn25-34"
-THROW = load_throw(input_path(ENGINE))[0]
-BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.050, 0.090)}
-GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))
-FIXED = (
-    *("crank_radius", "main_journal_diameter", "pin_diameter", "main_journal_length"),
-    *("pin_length", "fillet_radius", "main_journal_bore", "pin_bore"),
-)
-SIZES = {
-    "axial_compliance": (1.3e-9, -1.0, "e_n", "m/N"),
-    "axial_compliance_in_line": (0.26e-9, -0.5, "e_0", "m/N"),
-    "axial_compliance_opposite": (1.3e-9, -1.0, "e_180", "m/N"),
-    "tilt_stiffness_ratio": (2.6, -0.2, "rho", ""),
-    "torsional_compliance": (4e-8, -0.1, "e_t", "rad/(N m)"),
-    "mass": (100.0, 0.8, "m", "kg"),
-}
-
-JUDGED = {"largest_heldout_error": 0.005, "band_error": 0.005, "band_designs": 40}
-
-
-def power(size, exponent):
-    return lambda x: size * (x[:, 0] / 0.3) ** -0.5 * (x[:, 1] / 0.068) ** exponent
-
-
-def made_model(**others):
-    responses = {}
-    for name, (size, exponent, symbol, unit) in SIZES.items():
-        values = power(size, exponent)(GRID)
-        fit = fit_form("log-quadratic", tuple(BOX), GRID, values, GRID, values)
-        made = ResponseModel.from_fit(fit, symbol=symbol, unit=unit, fe_error=0.01)
-        responses[name] = ResponseModel(**(made.model_dump() | JUDGED))
-    content = {
-        "responses": responses,
-        "fixed": {name: getattr(THROW, name) for name in FIXED},
-        "ranges": BOX,
-        "throw": THROW.model_dump(mode="json"),
-        "material": STEEL.model_dump(),
-    }
-    return ComplianceModel(**(content | others))
 
 
 @pytest.fixture
@@ -133,7 +87,7 @@ def test_a_lookup_by_dimensions_loads_few_modules(spawn, path):
 def run():
     app = typer.Typer()
     app.command()(lookup)
-    app.command()(optimum)
+    app.callback()(lambda: None)
 
     def call(*arguments):
         found = CliRunner().invoke(app, [str(argument) for argument in arguments])
@@ -378,152 +332,6 @@ def test_reactions_outside_the_range(run, reaction_path):
 def test_a_model_without_reactions_says_so(run, path):
     with pytest.raises(InputError, match="support: given pinned, but the model has no"):
         run("lookup", path, *PAIRS, "--pin-force", "100 kN")
-
-
-# ----------------------------------------------------------------------------------------- optimum
-
-
-@pytest.mark.slow
-def test_thinnest_web(run, path):
-    arguments = ("optimum", path, "--minimize", "web_thickness")
-    limit = ("--limit", "axial_compliance <= 1.2e-9 m/N")
-    found = json.loads(run(*arguments, *limit, "--json"))
-    needed = 0.068 * 1.3 / 1.2 * 1.01 / 0.995 * (0.3 / 0.33) ** 0.5
-    assert found["value"] == close(needed, rel=1e-6)
-    assert found["factors"]["web_width"] == 0.330
-    assert found["limits"][0]["worst"] == close(1.2e-9, rel=1e-6)
-    assert found["throw"]["web_thickness"] == found["value"]
-    held = json.loads(run(*arguments, *limit, "--fixed", "web_width=300mm", "--json"))
-    assert held["value"] == close(needed * (0.33 / 0.3) ** 0.5, rel=1e-6)
-    plain = json.loads(run(*arguments, *limit, "--no-margin", "--json"))
-    assert plain["value"] == close(needed * 0.995 / 1.01, rel=1e-6)
-    out = run(*arguments, *limit, "--limit", "mass <= 200 kg")
-    assert f"Smallest web_thickness: {1e3 * needed:.4g} mm" in out
-    assert "web_width = 330 mm (end of its range)" in out
-    assert "just" in out
-    assert "with room" in out
-    assert "The limits are kept at the worst end of the model's error band." in out
-
-
-ENDS = ("lower", "upper")
-
-
-@pytest.fixture
-def frequencies():
-    """An engine whose throws are 0.5 and 0.8 times as soft in the shaft as pinned."""
-    engine = load_engine(input_path(ENGINE))
-    shares = np.array([0.8, 0.5, 0.5, 0.5, 0.5, 0.8])
-    return EngineFrequencies(
-        engine, shares, shares, throw_mass=110.0, throw_inertias=8.0 * np.ones(len(shares))
-    )
-
-
-@pytest.fixture
-def short_search(monkeypatch):
-    """Few generations, for chains are slow to ask; the end of the search is as exact as ever."""
-    monkeypatch.setattr(optimum_module, "_GENERATIONS", 12)
-
-
-def test_frequencies_fall_as_throws_soften(frequencies):
-    first = [frequencies.axial(e) for e in (0.8e-9, 1.0e-9, 1.2e-9)]
-    assert first[0] > first[1] > first[2] > 0.0
-    assert frequencies.axial(1e-9, mass=150.0) < frequencies.axial(1e-9)
-    assert frequencies.axial(1e-9, mass=110.0) == frequencies.axial(1e-9)
-    twist = [frequencies.torsional(e) for e in (3e-8, 4e-8)]
-    chain = axial_chain(
-        1e-9 * frequencies.axial_shares,
-        np.full(6, 110.0),
-        frequencies.engine_file.flywheel.mass,
-        frequencies.engine_file.thrust_bearing.section_index,
-        frequencies.engine_file.thrust_bearing.stiffness,
-    )
-    modes = chain.chain.modes()
-    assert frequencies.axial(1e-9) == close(modes.frequencies[modes.rigid], rel=1e-9)
-    # Without a stiffness to ground the frequency goes with the root of the stiffness.
-    assert twist[0] / twist[1] == close((4.0 / 3.0) ** 0.5, rel=1e-9)
-
-
-def test_the_first_torsional_frequency_is_no_couplings():
-    engine = load_engine(Path(__file__).parents[1] / "data/engines/8l32-42-damper.toml")
-    shares = np.full(8, 1.0)
-    frequencies = EngineFrequencies(engine, shares, shares, 110.0, throw_inertias=np.full(8, 8.0))
-    chain = engine_torsional_chain(engine, 2e-8 * shares, frequencies.throw_inertias)
-    coupling, first = chain.chain.modes().elastic_frequencies[:2]
-    assert frequencies.torsional(2e-8) == close(first, rel=1e-9)
-    assert first > 3.0 * coupling
-    # The coupling stays as it is while the throws become softer.
-    assert frequencies.torsional(8e-8) < 0.7 * first
-
-
-@pytest.mark.further
-def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
-    monkeypatch.setattr(
-        crankfem.analyses.engine_optimum, "engine_frequencies", lambda _: frequencies
-    )
-    model = ComplianceModel.load(path)
-    needed = frequencies.torsional(3.9e-8)
-    found = json.loads(
-        run(
-            *("optimum", path, "--minimize", "web_thickness", "--engine", ENGINE),
-            *("--first-torsional-frequency", f">= {needed:.9f} Hz"),
-            *("--first-axial-frequency", ">= 60 Hz", "--json"),
-        )
-    )
-    axial, torsional = found["limits"]
-    assert (axial["name"], axial["sign"], axial["unit"]) == ("first axial frequency", ">=", "Hz")
-    e, m = (found["responses"][name] for name in ("axial_compliance", "mass"))
-    corners = [frequencies.axial(e[one], m[two]) for one in ENDS for two in ENDS]
-    assert axial["worst"] == close(min(corners), rel=1e-12)
-    assert not axial["active"]
-    assert torsional["worst"] == close(needed, rel=1e-6)
-    assert torsional["active"]
-    assert found["responses"]["torsional_compliance"]["upper"] == close(3.9e-8, rel=1e-6)
-    assert 0.050 < found["value"] < 0.090
-    assert found["remarks"][-1].startswith(f"of the throw of {ENGINE}, the ratio")
-    torsional = frequency_limit("torsional", frequencies, model, 30.0)
-    assert torsional.quantities == ("torsional_compliance",)
-    alone = ComplianceModel(responses={"axial_compliance": model.responses["axial_compliance"]})
-    assert frequency_limit("axial", frequencies, alone, 30.0).quantities == ("axial_compliance",)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("arguments", "match"),
-    [
-        (("--limit", "axial_compliance"), "--limit: given 'axial_compliance'; allowed is NAME <= "),
-        (("--limit", "axial_compliance <= 1"), "axial_compliance: given '1', a bare number"),
-        (("--limit", "hue <= 1 mm"), "--limit: given 'hue'; allowed are the responses axial_comp"),
-        (("--limit", "mass <= 1 mm"), "mass: given '1 mm', which is no mass"),
-        (("--limit", "tilt_stiffness_ratio <= soft"), "given 'soft'; write a plain number"),
-        (("--first-axial-frequency", ">= 40 Hz"), "frequency: given without --engine"),
-        (("--engine", ENGINE), "--engine: given '6chn25-34' without a frequency"),
-        (("--engine", ENGINE, "--first-axial-frequency", "<= 40 Hz"), "--first-axial-frequency:"),
-        (("--engine", ENGINE, "--first-axial-frequency", ">= -4 Hz"), "allowed is a frequency"),
-        (("--fixed", "web_width=400mm"), "fixed: given 400 mm for web_width; allowed is 270 mm"),
-        (("--limit", "axial_compliance <= 0.1e-9 m/N"), "that no throw of the model's family"),
-    ],
-)
-def test_unusable_searches(run, path, arguments, match):
-    with pytest.raises(InputError, match=match):
-        run("optimum", path, "--minimize", "web_thickness", *arguments)
-
-
-def test_an_unknown_name_to_minimize(run, path):
-    with pytest.raises(InputError, match="--minimize: given 'hue'; allowed are the responses"):
-        run("optimum", path, "--minimize", "hue")
-
-
-def test_a_frequency_needs_its_compliance(run, path):
-    ComplianceModel(responses={"mass": ComplianceModel.load(path).responses["mass"]}).save(path)
-    with pytest.raises(InputError, match="given for a model without torsional_compliance"):
-        run(
-            *("optimum", path, "--minimize", "mass", "--engine", ENGINE),
-            *("--first-torsional-frequency", "40 Hz"),
-        )
-
-
-def test_the_command_says_what_it_is_for():
-    assert optimum_command.optimum.__doc__.startswith("Find the smallest value")
 
 
 VALUES = {"axial_compliance": 1.3e-9, "torsional_compliance": 4.1e-8}

@@ -13,7 +13,6 @@ import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.engine_mechanism import with_throws
-from crankfem.analyses.engine_optimum import engine_frequencies
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.mechanism_results import mechanism_results
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
@@ -31,6 +30,7 @@ from crankfem.files.engine.throw_file import (
 from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.report.writing import render_report
+from crankfem.satellites.optimum.frequencies import engine_frequencies
 from fem.analysis import analyze_throw
 from stand_ins import stored_results, typed
 

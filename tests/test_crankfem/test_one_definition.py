@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.engine_optimum import first_frequency
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
 from crankfem.analyses.strength.cycle_loads import HIGHEST_ORDER, judged_speeds, shaft_loads
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
+from crankfem.satellites.optimum.frequencies import first_frequency
 from dynamics.response.series import synthesis
 from fem.analysis import analyze_throw
 

@@ -1,28 +1,23 @@
-"""Compliances, reactions and optima from a model, or from the law."""
+"""Compliances and reactions from a model, or from the law."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
-from crankbase.sentences import capital, kept
+from crankbase.sentences import kept
 from crankbase.table import Cell, Column, Main, Table
-from crankfem.cli import console
 from crankfem.cli.commands import completion
 from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
     from crankbase.table import OutputUnits
-    from crankfem.analyses.engine_optimum import Kind
     from regression.models.compliance_model import ComplianceModel
     from regression.models.lookup import Lookup
-    from regression.optimum import Limit, Optimum, Searched
 
 
 ENDS = "End sections: pinned ones tilt freely, guided ones do not; a throw in a shaft is between the two."
@@ -101,7 +96,7 @@ def lookup(
         answers, refused = loaded.look_all_up(gamma_deg=angle, strict=strict, **asked)
         for name in (name for name in refused if strict and name not in without_law):
             raise refused[name]
-        used = arguments.dimensions_text(loaded, asked)
+        used = arguments.dimensions_text(loaded.family, asked)
         react = partial(loaded.reactions, strict=strict, **asked)
     reactions = None
     if force is not None:
@@ -261,254 +256,3 @@ def _bands(model: "ComplianceModel", names: list[str]) -> Iterator[str]:
 
 def _title(name: str) -> str:
     return name.replace("_", " ")
-
-
-@with_output(units=True, source="source engine")
-def optimum(
-    source: Annotated[
-        str,
-        typer.Argument(
-            metavar="MODEL.json|ENGINE.toml",
-            help="Model file; with --vary an engine file, or the name of a shipped engine.",
-            autocompletion=completion.files(".json"),
-        ),
-    ],
-    minimize: Annotated[
-        str, typer.Option(metavar="NAME", help="Dimension or response to make smallest.")
-    ],
-    limits: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--limit",
-            metavar='"NAME <= VALUE"',
-            help="Bound on a response or dimension; may be repeated.",
-        ),
-    ] = None,
-    engine: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ENGINE.toml",
-            help="Engine whose frequencies are limited, with a model; takes some seconds.",
-            autocompletion=completion.engines,
-        ),
-    ] = None,
-    first_axial_frequency: Annotated[
-        str | None,
-        typer.Option(
-            metavar='">= 40 Hz"',
-            help="Lower bound on the crankshaft's first axial frequency, with --engine or --vary.",
-        ),
-    ] = None,
-    first_torsional_frequency: Annotated[
-        str | None,
-        typer.Option(
-            metavar='">= 40 Hz"',
-            help="Lower bound on the crankshaft's first torsional frequency, with --engine or --vary.",
-        ),
-    ] = None,
-    fixed: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="Factor to keep fixed; may be repeated."),
-    ] = None,
-    no_margin: Annotated[
-        bool,
-        typer.Option(
-            "--no-margin", help="Apply limits to the values themselves, without their bands."
-        ),
-    ] = False,
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=LOW..HIGH",
-            help="Dimension of the engine's throw to vary, by finite elements; may be repeated.",
-        ),
-    ] = None,
-    *,
-    out: Output,
-) -> None:
-    """Find the smallest value of a dimension or response, such as web thickness, under limits.
-
-    In a model of a study; or by finite elements of an engine's throw, whose dimensions --vary names.
-    """
-    from crankfem.cli.arguments import model_dimensions, parse_limit
-    from crankfem.files.reading.data_files import shipped_names
-    from regression.models.compliance_model import ComplianceModel
-    from regression.optimum import check_known, find_optimum
-
-    bounds: dict[Kind, str | None] = {
-        "axial": first_axial_frequency,
-        "torsional": first_torsional_frequency,
-    }
-    if vary:
-        for option, value in (("--engine", engine), ("--fixed", fixed)):
-            if value:
-                raise InputError(
-                    f"{option}: given with --vary; allowed is one of them, because the search changes the "
-                    f"throw of {source} itself."
-                )
-        _show_varied(source, vary, minimize, limits or [], bounds, not no_margin, out)
-        return
-    if Path(source).suffix == ".toml" or source in shipped_names("engine"):
-        raise InputError(
-            f"{source}: given without --vary; allowed is an engine with --vary, like "
-            "--vary web_width=300mm..380mm, because an engine alone does not say what may change."
-        )
-    loaded = ComplianceModel.load(Path(source))
-    check_known(loaded, minimize, "--minimize")
-    held = model_dimensions(loaded, fixed or [])
-    wanted = [parse_limit(loaded, text) for text in limits or []]
-    loaded, frequencies = _frequency_limits(loaded, engine, bounds)
-    wanted += frequencies
-    best = find_optimum(loaded, minimize, wanted, fixed=held, margins=not no_margin)
-    if engine is not None:
-        kept = (
-            f"of the throw of {engine}, the ratio of its compliance in the shaft to the pinned one and "
-            "its moment of inertia are kept as the throw changes"
-        )
-        best = replace(best, remarks=(*best.remarks, kept))
-    _show_optimum(loaded, best, out)
-
-
-def _show_optimum(model: "Searched", best: "Optimum", out: Output) -> None:
-    if out.json:
-        print_json(_optimum_record(best))
-        return
-    value = out.units.quantity(best.value, best.unit, 4)
-    parts = _optimum_parts(model, best, out.units)
-    out.show(parts, f"Smallest {best.minimized}: {value}")
-
-
-def _show_varied(
-    engine: str,
-    vary: list[str],
-    minimize: str,
-    limits: list[str],
-    bounds: "dict[Kind, str | None]",
-    margins: bool,
-    out: Output,
-) -> None:
-    """Search among the throws of an engine by finite elements; an interrupt ends with the best so far."""
-    from crankfem.analyses.throw_optimum import SearchInterrupted, ThrowFamily, best_throw
-    from crankfem.cli.arguments import parse_bound, parse_limit, parse_range
-    from crankfem.files.engine.engine_file import load_engine
-    from regression.optimum import Limit, check_known
-
-    read = load_engine(engine)
-    ranges = console.parse_pairs(vary, parse_range, "web_width=300mm..380mm")
-    family = ThrowFamily(read, ranges)
-    check_known(family, minimize, "--minimize")
-    wanted = [parse_limit(family, text) for text in limits]
-    for kind, text in bounds.items():
-        if text is not None:
-            least = parse_bound(f"--first-{kind}-frequency", text)
-            wanted.append(Limit((f"first_{kind}_frequency",), at_least=least, unit="Hz"))
-    stopped = False
-    try:
-        with console.RunProgress(out.quiet) as progress:
-            best = best_throw(read, ranges, minimize, wanted, margins=margins, step=progress.step)
-            progress.finish()
-    except SearchInterrupted as interrupt:
-        if interrupt.best is None:
-            raise
-        best, stopped = interrupt.best, True
-    _show_optimum(family, best, out)
-    if stopped:
-        console.exit_interrupted("Stopped. The best throw so far is shown.")
-
-
-def _frequency_limits(
-    model: "ComplianceModel", engine: str | None, bounds: "dict[Kind, str | None]"
-) -> "tuple[ComplianceModel, list[Limit]]":
-    """Model of the engine's material, and limits on its frequencies, for which its throw is analyzed."""
-    from crankfem.cli.arguments import parse_bound
-
-    limits = {
-        kind: parse_bound(f"--first-{kind}-frequency", text)
-        for kind, text in bounds.items()
-        if text is not None
-    }
-    if not limits and engine is None:
-        return model, []
-    if engine is None:
-        raise InputError(
-            f"--first-{next(iter(limits))}-frequency: given without --engine; allowed is both, because "
-            "the frequency is that of a whole engine."
-        )
-    if not limits:
-        raise InputError(
-            f"--engine: given {engine!r} without a frequency; allowed is both, like "
-            '--first-axial-frequency ">= 40 Hz".'
-        )
-    for kind in limits:
-        if f"{kind}_compliance" not in model.responses:
-            raise InputError(
-                f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a model "
-                "with it, because the frequency follows from it."
-            )
-    from crankfem.analyses.engine_optimum import engine_frequencies, frequency_limit
-    from crankfem.files.engine.engine_file import load_engine
-
-    read = load_engine(engine)
-    model = model.of_material(read.material)
-    frequencies = engine_frequencies(read)
-    return model, [
-        frequency_limit(kind, frequencies, model, bound) for kind, bound in limits.items()
-    ]
-
-
-def _optimum_record(best: "Optimum") -> dict[str, Any]:
-    from crankbase.results import units
-    from crankfem.analyses.record import attributes
-    from regression.throw_values import field_unit
-
-    whole = ("minimized", "value", "unit", "factors", "dimensions", "at_ends", "throw", "remarks")
-    of_unit = dict.fromkeys(("value", "lower", "upper", "bound", "worst"), ".unit")
-    return {
-        **attributes(best, *whole, "evaluations"),
-        "limits": [
-            attributes(check.limit, "name", "sign", "bound", "unit")
-            | attributes(check, "value", "worst", "active")
-            for check in best.limits
-        ],
-        "responses": {
-            name: attributes(answer, "value", "lower", "upper", "unit", "inside")
-            for name, answer in best.lookups.items()
-        },
-        "units": of_unit
-        | {"evaluations": "1"}
-        | {
-            f"{group}.{name}": field_unit(name) or "1"
-            for group in ("factors", "dimensions")
-            for name in getattr(best, group)
-        }
-        | units({"throw": best.throw}),
-    }
-
-
-def _optimum_parts(
-    model: "Searched", best: "Optimum", units: "OutputUnits"
-) -> "Iterator[Table | str]":
-    from crankfem.cli.arguments import dimensions_text
-
-    for remark in best.remarks:
-        yield Main(units.written(f"{capital(remark).rstrip('.')}."))
-    if best.limits:
-        names = ("limit", "bound", "value", "worst in its band", "kept")
-        yield Table(
-            "Limits",
-            [Column(name, words=name == "kept") for name in names],
-            [
-                [
-                    check.limit.name.replace("_", " "),
-                    f"{check.limit.sign} {units.quantity(check.limit.bound, check.limit.unit, 4)}",
-                    units.quantity(check.value, check.limit.unit, 4),
-                    units.quantity(check.worst, check.limit.unit, 4),
-                    "just" if check.active else "with room",
-                ]
-                for check in best.limits
-            ],
-            main=True,
-        )
-    for name, text in zip(best.factors, dimensions_text(model, best.factors), strict=True):
-        end = " (end of its range)" if name in best.at_ends else ""
-        yield Main(units.written(f"  {text}{end}"))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from crankbase.errors import InputError
+from crankbase.input_file import STEP_ENDINGS
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
@@ -21,6 +22,8 @@ from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 
 if TYPE_CHECKING:
     from crankfem.files.reading.toml_file import TomlFile
+    from fem.material import Material
+    from geometry.mesher import Throw
 
 
 PinsOption = Annotated[
@@ -93,11 +96,10 @@ def throw(
 
     shared_process().start()  # which loads gmsh while this process loads the rest
 
-    from crankfem.cli.arguments import select_part
     from fem.first_mesh import begin_mesh
 
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
-    part, material = select_part(engine, name, pins, out.quiet)
+    part, material = _select_part(engine, name, pins, out.quiet)
     begin_mesh(part, accuracy)
 
     from crankfem.analyses.record import with_units
@@ -172,6 +174,44 @@ def throw(
     out.show(results.parts(out.units, profile=profile), *files, table)
 
 
+def _select_part(
+    engine: str, name: str | None, pins: list[str] | None, quiet: bool
+) -> tuple["Throw", "Material"]:
+    """Select a throw of a file, or read a CAD part of steel from a STEP file.
+
+    Parameters
+    ----------
+    engine : str
+        File, or the name of a shipped engine.
+    name : str, optional
+        From `--throw`, for files of dimensions.
+    pins : list of str, optional
+        Names of the pins' faces, for STEP files.
+    quiet : bool
+        Whether to omit notes.
+    """
+    from crankfem.cli.arguments import select_throw
+
+    if Path(engine).suffix.lower() not in STEP_ENDINGS:
+        if pins:
+            raise InputError(
+                f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
+            )
+        return select_throw(engine, name, quiet)
+    if name is not None:
+        raise InputError(
+            f"--throw: given {name!r} with a STEP file; allowed only with a TOML file, because a part is one "
+            "throw."
+        )
+    from fem.material import STEEL
+    from geometry.imported import import_throw
+
+    part = import_throw(engine, pins=pins or ("pin",))
+    for remark in part.remarks:
+        console.print_note(remark, quiet)
+    return part, STEEL
+
+
 @with_output(files=True, units=True, source="engine")
 def stress(
     engine: ThrowArgument,
@@ -197,14 +237,13 @@ def stress(
     from crankbase.outputs import protect
     from crankfem.analyses.throw.pictures.stress_picture import picture_name
     from crankfem.analyses.throw.stress import stress_results
-    from crankfem.cli.arguments import select_part
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import make_output_folder
     from fem.fillet_peaks import unit_loads
     from fem.fillet_stress import fillet_stresses
     from fem.symmetry import radial_directions
 
-    part, material = select_part(engine, name, pins, out.quiet)
+    part, material = _select_part(engine, name, pins, out.quiet)
     if pictures is not None:
         protect(input_path(engine))
         names = [picture_name(load) for load in unit_loads(radial_directions(part))]
@@ -252,7 +291,6 @@ def export(
     out: Output,
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
-    from crankbase.input_file import STEP_ENDINGS
     from crankfem.cli.arguments import select_throw
     from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft

@@ -4,7 +4,7 @@
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from crankbase.errors import InputError
@@ -108,13 +108,6 @@ USES: Mapping[str, Use] = {
     "vibration --coupled": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *CLASS_ALONE, SKIRT)),
     "vibration of a chain": ((ALL,), ("chain.dashpots", *(f"*.{name}" for name in FREE))),
     "run": ((ALL,), (*CLASS_ALONE, SKIRT)),
-    "optimum": ((*THROW, "material"), ()),
-    "optimum of frequencies": ((ALL, "vibration.reciprocating"), UNFORCED),
-    "optimum --first_axial_frequency": ((ALL,), (*UNFORCED, *TORSIONAL_ALONE)),
-    "optimum --first_torsional_frequency": (
-        (ALL, "vibration.reciprocating"),
-        (*UNFORCED, *AXIAL_ALONE),
-    ),
 }
 
 
@@ -127,23 +120,11 @@ def command_use(name: str, arguments: Mapping[str, Any]) -> str:
     command = called(name)
     if command == "lookup":
         return "lookup law" if str(arguments["model"]) == "law" else command
-    if command == "optimum":
-        return _optimum_use(**arguments)
+    if (use := uses_of_satellites().get(command)) is not None and use.case:
+        return f"{command} {at_place(use.case)(**arguments)}".rstrip()
     with_option = {f"{command} --{option}" for option, value in arguments.items() if value}
     key = next((key for key in USES if key in with_option), command)
     return key + WITH_MODEL if command in ("run", "vibration") and arguments["model"] else key
-
-
-def _optimum_use(
-    vary: object, minimize: str, limits: Iterable[str] | None, **others: object
-) -> str:
-    """Return the key of a search by the frequencies that it calculates: with `vary` both or none."""
-    texts = " ".join([minimize, *(limits or ())])
-    names = ("first_axial_frequency", "first_torsional_frequency")
-    asked = [name for name in names if others[name] or (vary and name in texts)]
-    if not asked:
-        return "optimum"
-    return f"optimum --{asked[0]}" if len(asked) == 1 and not vary else "optimum of frequencies"
 
 
 def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
@@ -156,10 +137,11 @@ def not_used(content: TomlFile, command: str) -> tuple[str, ...]:
     """
     command, with_model, _ = command.partition(WITH_MODEL)
     key = f"{command} of a chain" if file_kind(content) == "chain" else command
-    if key in uses_of_satellites():
-        used, always = at_place(uses_of_satellites()[key].used)(content)
-    elif key in USES:
+    name, _, case = key.partition(" ")
+    if key in USES:
         used, always = USES[key]
+    elif name in uses_of_satellites() and file_kind(content) != "chain":
+        used, always = at_place(uses_of_satellites()[name].used)(content, case)
     else:  # the command refuses the file
         return ()
     without = (*always, *_without_effect(content, command, used, always))

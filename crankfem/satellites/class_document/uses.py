@@ -13,7 +13,7 @@ TO_JUDGE_AXIAL = (
 )
 
 
-def used_sections(content: TomlFile) -> Use:
+def used_sections(content: TomlFile, _: str) -> Use:
     """Return the sections and fields that it uses, and those that it does not."""
     without: tuple[str, ...] = (*RUN_ALONE, *WHOLE, SKIRT)
     if not AXIAL_LIMITS & content.sections.get("limits", {}).keys():

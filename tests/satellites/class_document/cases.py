@@ -24,5 +24,12 @@ def document(file: Path):
     return Answer(json.loads(json.dumps(content, default=str)), named_by(file, "class"))
 
 
-# Of a command on engines what makes its answer of a file.
-DOORS = {"class": document}
+def torsional_modes(file: Path):
+    """Natural frequencies, on which the document stands."""
+    from file_doors import modes, torsional
+
+    return torsional(modes)(file)
+
+
+# Of what commands calculate of engines: what makes parts of the answer of a file, then all of it.
+DOORS = {"class": (torsional_modes, document)}

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.quantity import format_quantity, percent
-from crankfem.analyses.engine_optimum import check_one_throw, first_frequency
 from crankfem.analyses.shaft.chains import (
     engine_axial_chain,
     engine_throw_inertias,
@@ -25,6 +24,7 @@ from crankfem.analyses.shaft.chains import (
 )
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.crank_throws import PLAIN
+from crankfem.satellites.optimum.frequencies import check_one_throw, first_frequency
 from fem.responses import RESPONSES, ResponseKind, evaluate_throw
 from fem.superelement import Superelement, shaft_compliances
 from fem.wished_accuracy import COMPLIANCE_ACCURACY

@@ -8,8 +8,10 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError, MeshError
-from crankfem.analyses.engine_optimum import engine_frequencies
-from crankfem.analyses.throw_optimum import (
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.satellites.optimum.frequencies import engine_frequencies
+from crankfem.satellites.optimum.searches import parse_range
+from crankfem.satellites.optimum.throw_search import (
     ACTIVE,
     SPARE,
     SearchInterrupted,
@@ -18,8 +20,6 @@ from crankfem.analyses.throw_optimum import (
     ThrowSearch,
     best_throw,
 )
-from crankfem.cli.arguments import parse_range
-from crankfem.files.engine.engine_file import load_engine
 from fem.analysis import analyze_throw
 from regression.optimum import Limit, Problem, search_space
 
