@@ -96,7 +96,11 @@ def calculate_vibration_once(monkeypatch):
 
 def analyze_coarsely(monkeypatch):
     """Let light runs analyze their throws as coarsely as may be."""
-    put_everywhere(monkeypatch, analyzed, lambda throw, material: analyzed(throw, material, 0.1))
+
+    def coarse(throw, material, _accuracy=0.1, **options):
+        return analyzed(throw, material, 0.1, **options)
+
+    put_everywhere(monkeypatch, analyzed, coarse)
 
 
 def draw_nothing(monkeypatch):

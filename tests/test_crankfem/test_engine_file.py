@@ -110,103 +110,6 @@ def test_the_crankshaft_of_an_engine_and_of_a_throw_file(tmp_path):
         load_crankshaft(path)
 
 
-# What is changed in the shipped file, and what the refusal must say.
-REFUSED = [
-    ({"throw.pin_length": "139"}, ["given 139", "bare number", '"139 mm"', "0.3 mm to 2000 mm"]),
-    (
-        {"rod.mass": '{ value = 56, assumed = "usual" }'},
-        ["given 56", "bare number", '"56 kg"', "1e-06 kg to 20000 kg"],
-    ),
-    (
-        {"engine.crank_angles": '[0, "120 deg", "240 deg", "240 deg", "120 deg", "0 deg"]'},
-        ["engine.crank_angles[0]", "given 0", "bare number", '"0 deg"'],
-    ),
-    ({"throw.pin_length": '"139 kg"'}, ["'139 kg'", "no length", "0.3 mm to 2000 mm"]),
-    ({"throw.fillet_radius": '"33 mm"'}, ["33 mm", "32.5 mm", "web of 285 mm is too narrow"]),
-    ({"throw.web_width": '"285 m"'}, ["285 m", "did you mean 285 mm?", "4000 mm"]),
-    ({"throw.pin_length": None}, ["missing", "crankpin length", "0.3 mm to 2000 mm"]),
-    ({"throw.pin_lenght": '"139 mm"'}, ["unknown field", "did you mean pin_length?"]),
-    ({"flywheel.GD2": '"1800 kgf m2"'}, ["unknown field", "inertia, flywheel_effect, mass"]),
-    ({"[rod]": None}, ["missing"]),
-    ({"material.poisson_ratio": "0.6"}, ["0.6", "0 to 0.49"]),
-    ({"material.poisson_ratio": '"0.3"'}, ["'0.3'", "write it without quotes"]),
-    ({"engine.cylinders": "0"}, ["given 0", "1 to 24"]),
-    ({"engine.strokes": "3"}, ["given 3", "2 and 4"]),
-    ({"engine.firing_order": "[1, 5, 3, 6, 2, 2]"}, ["[1, 5, 3, 6, 2, 2]", "from 1 to 6 once"]),
-    ({"engine.firing_order": "[1, 2, 3, 4, 5, 6]"}, ["[1, 2, 3, 4, 5, 6]", "crank is at the top"]),
-    ({"engine.crank_angles": '["0 deg", "120 deg", "240 deg"]'}, ["given 3 angles", "6 cylinders"]),
-    (
-        {
-            "engine.crank_angles": '["0 deg", "2.094 deg", "4.189 deg", "4.189 deg", "2.094 deg", "0 deg"]'
-        },
-        ["engine.crank_angles: given 6 angles from 0 to 4.189 deg", '"4.189 rad"', "line "],
-    ),
-    (
-        {"engine.crank_angles": '["0 deg", "840 deg", "240 deg", "240 deg", "120 deg", "0 deg"]'},
-        ["engine.crank_angles: given 840 deg", "-720 deg to 720 deg"],
-    ),
-    ({"gas.peak_pressure": '"165 MPa"'}, ["'165 MPa'", "did you mean 165 bar?"]),
-    ({"engine.lowest_speed": '"600 1/min"'}, ["600 1/min", "515 1/min"]),
-    ({"throw.crank_radius": '"160 mm"'}, ["160 mm", "170 mm", "stroke"]),
-    ({"rod.length": '"200 mm"'}, ["200 mm", "255 mm", "crank radii"]),
-    ({"rod.rotating_mass": '"56 kg"'}, ["56 kg", "less than"]),
-    (
-        {"thrust_bearing.main_bearing": "8"},
-        ["given 8", "allowed is 1 (at the free end) to 7 (at the"],
-    ),
-    (
-        {"thrust_bearing.main_bearing": None, "thrust_bearing.bearing": "6"},
-        ["thrust_bearing.bearing: given 6; ", "write main_bearing = 7 in its place"],
-    ),
-    (
-        {"rod.mass": '{ value = "56 kg", source = "drawing", assumed = "usual" }'},
-        ["either source or assumed"],
-    ),
-    ({"rod.mass": '{ value = "56 kg", note = "heavy" }'}, ["either source or assumed"]),
-    (
-        {"torque.table": '"nowhere.csv"'},
-        ["'nowhere.csv'", "neither in the folder of", "nor a shipped table"],
-    ),
-    ({"vibration.axial_source": '"guess"'}, ["'guess'", "fe, ", "regression", "Anderson"]),
-    ({"vibration.torsional_source": '"Anderson"'}, ["'Anderson'", "fe, ", "regression", "Carter"]),
-    (
-        {"[study]": None, "[study.factors]": None, "vibration.axial_source": '"regression"'},
-        ["vibration.axial_source", "'regression'", "study"],
-    ),
-    (
-        {
-            "engine.strokes": "2",
-            "engine.firing_order": "[1, 2, 3, 6, 5, 4]",
-            "engine.crank_angles": '["0 deg", "60 deg", "120 deg", "300 deg", "240 deg", "180 deg"]',
-            "vibration.highest_order": "0.5",
-        },
-        ["0.5", "allowed are multiples of 1"],
-    ),
-    ({"study.factors.web_width": '["270 mm", "270 mm", "300 mm"]'}, ["web_width", "once"]),
-    ({"study.runs": "5"}, ["given 5", "full factorial"]),
-]
-
-
-@pytest.mark.parametrize(("changes", "fragments"), REFUSED)
-def test_refusals_are_one_clear_sentence(changes, fragments, tmp_path, six_cylinders, edit, call):
-    if any(key.startswith("torque.") for key in changes):
-        six_cylinders += "\n[torque]\n"
-    path = tmp_path / "wrong.toml"
-    path.write_text(edit(six_cylinders, changes), encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        load_engine(path)
-    message = str(caught.value)
-    assert any(field.strip("[]") in message for field in changes)
-    assert all(fragment in message for fragment in fragments)
-    assert "\n" not in message
-    assert message.endswith(".")
-
-    answer = call("check", path)
-    assert answer.code == 2
-    assert answer.out == ""
-    assert answer.err == f"Error: {message}\n"
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("command", [("check",), ("run",), ("plan",), ("doe",)])
 def test_a_study_of_which_nothing_can_be_built(
@@ -248,42 +151,6 @@ def test_a_file_is_read_once(tmp_path, monkeypatch, six_cylinders, call, command
     assert paths.count(six_cylinders) == 1
 
 
-def test_unknown_section(tmp_path, six_cylinders):
-    (tmp_path / "more.toml").write_text(six_cylinders + "\n[turbo]\nsize = 3\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"more\.toml: \[turbo\] is an unknown section; allowed"):
-        load_engine(tmp_path / "more.toml")
-
-
-def test_value_outside_any_section(tmp_path, six_cylinders):
-    (tmp_path / "loose.toml").write_text("stroke = 3\n" + six_cylinders, encoding="utf-8")
-    with pytest.raises(InputError, match=r"loose\.toml: stroke: given 3 outside any section"):
-        load_engine(tmp_path / "loose.toml")
-
-
-@pytest.mark.parametrize(
-    ("content", "fragment"),
-    [
-        (b"", "has no sections; required are engine, throw, rod, piston, flywheel, thrust_bearing"),
-        (b"this is no toml\n", "is not TOML"),
-        (b"[engine\n", "without its closing bracket"),
-        (bytes(range(256)) * 8, "cannot be read as text"),
-        ("[engine]\n".encode("utf-16"), "is text in UTF-16"),
-        (b"a = " + b"[" * 50_000, "within more than 30 others"),
-    ],
-    ids=["empty", "prose", "torn", "binary", "utf-16", "nested without end"],
-)
-def test_files_of_another_kind(tmp_path, call, content, fragment):
-    path = tmp_path / "other.toml"
-    path.write_bytes(content)
-    answer = call("check", path)
-    assert answer.code == 2
-    assert answer.out == ""
-    assert answer.err.startswith("Error: ")
-    assert answer.err.count("\n") == 1
-    assert "other.toml" in answer.err
-    assert fragment in answer.err
-
-
 def test_a_name_that_no_file_can_have():
     with pytest.raises(InputError) as told:
         load_engine("x" * 100_000)
@@ -311,31 +178,6 @@ def test_a_refusal_in_a_process_of_its_own(tmp_path, six_cylinders, edit, spawn)
     assert answer.out == ""
     assert "Traceback" not in answer.err
     assert answer.err.rstrip().splitlines()[-1].startswith("Error: throw.pin_length: given 139, ")
-
-
-def test_all_errors_of_a_file_are_told_at_once(call, tmp_path, six_cylinders, edit):
-    """Those of all sections, each once and on a line of its own; cross-checks wait for values that can be."""
-    text = edit(
-        six_cylinders,
-        {
-            "engine.rated_speed": "500",
-            "engine.bore": '"25 mmm"',
-            "engine.boree": '"250 mm"',
-            "engine.stroke": None,
-            "rod.length": '"720 kg"',
-            "gas.peak_pressure": '"12,5 MPa"',
-        },
-    )
-    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as raised:
-        load_engine("mine.toml")
-    fields = [line.split(":")[0] for line in raised.value.sentences]
-    wrong = "rated_speed", "bore", "boree", "stroke"
-    assert set(fields) == {*(f"engine.{name}" for name in wrong), "rod.length", "gas.peak_pressure"}
-    assert len(fields) == 6
-    answer = call("check", "mine.toml")
-    assert answer.code == 2
-    assert len(answer.err.strip().splitlines()) == 6
 
 
 @pytest.mark.parametrize(
@@ -371,28 +213,15 @@ def test_a_firing_order_may_be_text(tmp_path, six_cylinders, edit, text):
     assert engine.engine.firing_order == (1, 5, 3, 6, 2, 4)
     changed = engine.changed(engine={"firing_order": "1-4-2-6-3-5"})
     assert changed.engine.firing_order == (1, 4, 2, 6, 3, 5)
-    path.write_text(edit(six_cylinders, {"engine.firing_order": '"1-5-three"'}), encoding="utf-8")
-    with pytest.raises(InputError, match=r"^engine\.firing_order: given '1-5-three'; .*like"):
-        load_engine(path)
 
 
 @pytest.mark.slow
 def test_a_modulus_that_no_steel_has_is_remarked(call, tmp_path, six_cylinders, edit):
-    for modulus, remarked in (("21 GPa", True), ("2100 GPa", True), ("206 GPa", False)):
+    for modulus, remarked in (("21 GPa", True), ("999 GPa", True), ("206 GPa", False)):
         text = edit(six_cylinders, {"material.youngs_modulus": f'"{modulus}"'})
-        if modulus == "2100 GPa":
-            text = text.replace("2100 GPa", "999 GPa")
         (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
-        words = " ".join(call("check", "mine.toml", "--full").out.split())
-        assert ("material.youngs_modulus: " in words and "check both" in words) is remarked
-
-
-def test_a_yield_strength_above_the_tensile_one_is_refused(tmp_path, six_cylinders, edit):
-    path = tmp_path / "mine.toml"
-    limits = '[limits]\ntensile_strength = "600 MPa"\nyield_strength = "700 MPa"\n'
-    path.write_text(six_cylinders + limits, encoding="utf-8")
-    with pytest.raises(InputError, match=r"limits\.yield_strength: given 700 MPa above .* 600 MPa"):
-        load_engine(path)
+        words = call("check", "mine.toml", "--full").out
+        assert ("Warning: material.youngs_modulus: " in words) is remarked
 
 
 def test_a_choice_that_is_not_made_is_shown_as_not_given():
@@ -444,26 +273,6 @@ def test_changed_values_lose_their_sources(engine):
     assert list(after)[:8] == list(before)[:8]
 
 
-@pytest.mark.parametrize(
-    ("change", "text"),
-    [
-        ({"rods": {}}, "rods: unknown section; did you mean rod?"),
-        ({"rod": None}, "rod: given None; allowed are its fields"),
-        ({"rod": 0.7}, "rod: given 0.7; allowed are fields with their values"),
-        ({"rod": {"lenght": 0.7}}, "rod.lenght: unknown field; did you mean length?"),
-        ({"rod": {"length": 0.2}}, "rod.length: given 200 mm; allowed is more than"),
-        ({"throw": {"crank_radius": 0.160}}, "throw.crank_radius: given 160 mm; allowed is half"),
-        ({"thrust_bearing": {"main_bearing": 9}}, "thrust_bearing.main_bearing: given 9; allowed"),
-        ({"thrust_bearing": {"bearing": 6}}, "thrust_bearing.bearing: given 6; this field counted"),
-        ({"vibration": {"highest_order": 2.2}}, "vibration.highest_order: given 2.2"),
-    ],
-)
-def test_impossible_changes_are_refused(engine, change, text):
-    with pytest.raises(InputError) as caught:
-        engine.changed(**change)
-    assert str(caught.value).startswith(text)
-
-
 def test_vibration_of_a_mechanism_alone_is_refused():
     mechanism = load_mechanism("6chn25-34")
     assert not mechanism.whole
@@ -492,11 +301,6 @@ def test_a_strength_beyond_the_rule_stays_as_given_and_is_told(engine, rule):
     refuse_what_cannot_run(strong)
     assert strong.limits.tensile_strength == 850e6
     assert "850 MPa enters the rule as 835" in engine_limits(strong)[0]["crankshaft_stress"].remark
-
-
-def test_a_yield_strength_above_the_assumed_steel_is_refused_before_the_run(engine):
-    with pytest.raises(InputError, match=r"^limits\.yield_strength: given 550 MPa without tensile"):
-        refuse_what_cannot_run(engine.changed(limits={"yield_strength": 550e6}))
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,8 @@ import pytest
 from crankfem.analyses.throw.pictures import stress_picture
 from crankfem.cli import app as cli
 from crankfem.jobs.pipeline import RunResult, run_engine
-from puppets import puppet
+from printed_text import difference
+from puppets import stand_in_worker
 from regression.runs import workers
 from stand_ins import draw_nothing, lighten, put_everywhere
 
@@ -22,7 +23,6 @@ FENCE = re.compile(r"^(?P<indent> *)(?P<ticks>`{3,})(?P<language>[\w-]*)(?P<rest
 TITLE = re.compile(r'title="([^"]+)"')
 MARK = re.compile(r"<!-- not run:(.*)-->")
 EXIT_CODE = re.compile(r"# exit code (\d+)")
-NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 WRITTEN = ("toml", "csv", "txt", "text", "json")
 
 
@@ -87,64 +87,8 @@ def commands_of(text):
         yield words[1:], int(code[1]) if code else 0, target
 
 
-def differing_lines(shown, printed):
-    """Return the first lines that differ; numbers may differ by one unit of the last digit shown."""
-    left, right = shown.rstrip().splitlines(), printed.rstrip().splitlines()
-    if len(left) != len(right):
-        return f"{len(left)} lines shown", f"{len(right)} lines printed: {printed}"
-    for one, other in zip(left, right, strict=True):
-        if not _alike(one.rstrip(), other.rstrip()):
-            return one, other
-    return None
-
-
-def _alike(one, other):
-    if one == other:
-        return True
-    if NUMBER.sub("#", one).split() != NUMBER.sub("#", other).split():
-        return False
-    pairs = zip(NUMBER.findall(one), NUMBER.findall(other), strict=True)
-    return all(abs(float(a) - float(b)) <= 1.001 * _last_digit(a) for a, b in pairs)
-
-
-def _last_digit(number):
-    digits, _, exponent = number.partition("e")
-    _, _, decimals = digits.partition(".")
-    return 10.0 ** (int(exponent or 0) - len(decimals))
-
-
 # ----------------------------------------------------------------------------------- light machinery
 
-# A worker that answers designs by power laws: that studies compute what they should is tested elsewhere.
-STAND_IN = """
-SIZES = {
-    "axial_compliance_pinned": (1.3e-9, -1.0), "axial_compliance_guided": (0.26e-9, -0.5),
-    "axial_compliance_opposite": (1.3e-9, -1.0), "axial_compliance_in_line": (0.26e-9, -0.5),
-    "tilt_stiffness_ratio": (2.6, -0.2),
-    "torsional_compliance_pinned": (4e-8, -0.1), "torsional_compliance_guided": (3.6e-8, -0.1),
-    "influence_coefficient_pinned": (0.6e-9, -1.0), "influence_coefficient_guided": (0.1e-9, -0.5),
-    "influence_coefficient_opposite": (0.6e-9, -1.0), "influence_coefficient_in_line": (0.1e-9, -0.5),
-    "axial_reaction_pinned": (0.46, -0.1), "axial_reaction_guided": (0.38, -0.1),
-    **{f"radial_end_moment_{end}": (0.13, 0.1) for end in ("left_guided", "right_guided", "in_line")},
-    **{f"axial_end_moment_{end}": (0.24, -0.1) for end in ("left_guided", "right_guided", "in_line")},
-    **{f"tangential_end_moment_{end}": (0.14, 0.1) for end in ("opposed_guided", "in_line")},
-    **{f"tangential_end_moment_{end}": (0.13, 0.1) for end in ("alike_guided", "opposite")},
-    "cross_tilt_stiffness_ratio": (1.9, 0.1), "mass": (100.0, 0.8), "fillet_stress_factor": (4.0, -0.3),
-}
-for request in requests():
-    throw, stresses = request["inputs"]["throw"], request["inputs"]["stresses"]
-    radius, width = throw["crank_radius"], throw["web_width"]
-    thickness, pin = throw["web_thickness"], throw["pin_length"]
-    shape = (width / (1.7 * radius)) ** -0.5 * (pin / (0.8 * radius)) ** 0.3
-    responses = {
-        name: size * shape * (thickness / (0.4 * radius)) ** exponent
-        for name, (size, exponent) in SIZES.items()
-        if stresses or name != "fillet_stress_factor"
-    }
-    errors = dict.fromkeys(responses, 0.004)
-    found = {"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}
-    answer(found | {"unknowns": 9})
-"""
 # Folders of runs by what they were made of: several pages run the same shipped engine. They are copies,
 # for a test's own folder is gone after it.
 finished_runs = {}
@@ -170,10 +114,6 @@ def run_once(engine, output=None, **options):
     return RunResult(folder, folder / first.report.name, first.results)
 
 
-def stand_in_worker():
-    return puppet(STAND_IN)
-
-
 class Runner:
     """Runs the blocks of one page in its folder and in one namespace."""
 
@@ -188,7 +128,7 @@ class Runner:
             place = f"{self.page.name}, line {block.line}"
             if block.language == "text" and not block.title:
                 if printed and not block.not_run:
-                    differs = differing_lines(block.text, printed)
+                    differs = difference(block.text.rstrip(), printed.rstrip())
                     assert differs is None, f"{place} shows and the block above prints:\n{differs}"
                 printed = None
                 continue
@@ -257,5 +197,5 @@ def root():
 
 @pytest.fixture(scope="session")
 def page_tools():
-    """Take a page apart: its blocks, the commands of a block, what differs between two texts."""
-    return blocks_of, commands_of, differing_lines
+    """Take a page apart: its blocks, the commands of a block."""
+    return blocks_of, commands_of

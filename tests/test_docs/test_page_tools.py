@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from printed_text import difference
 
 PAGE = """
 # A page
@@ -84,6 +85,25 @@ crankfem optimum model.json --limit "mass <= 100 kg"
 def test_a_pipe_is_refused(page_tools):
     with pytest.raises(AssertionError, match="not run so"):
         list(page_tools[1]("crankfem check mine.toml | less"))
+
+
+@pytest.mark.parametrize(
+    ("kept", "printed", "same"),
+    [
+        ("e_n 1.302e-9 m/N", "e_n  1.303e-9 m/N", True),
+        ("e_n 1.302e-9 m/N", "e_n 1.304e-9 m/N", False),
+        ("497.8 1/min of 6chn25-34", "497.9 1/min of 6chn25-34", True),
+        ("497.8 1/min of 6chn25-34", "497.8 1/min of 6chn25-35", False),
+        ("cylinder 4, 1240 kN", "cylinder 4, 1241 kN", True),
+        ("cylinder 4, 1240 kN", "cylinder 5, 1240 kN", False),
+        ("residual 2e-15", "residual 7e-16", True),
+        ("residual 2e-15", "residual 2e-9", False),
+        ("stress of 21.2 MPa", "stress of 21.2 kPa", False),
+        ("a\nb", "a", False),
+    ],
+)
+def test_printed_text_is_compared_by_words_and_last_digits(kept, printed, same):
+    assert (difference(kept, printed) == "") is same
 
 
 ROOT = Path(__file__).resolve().parents[2]

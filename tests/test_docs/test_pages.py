@@ -44,7 +44,7 @@ def throws():
 def test_throws_of_the_page_can_be_built(page, page_tools, tmp_path):
     from crankfem.files.engine.throw_file import load_throw
 
-    blocks_of, _, _ = page_tools
+    blocks_of, _ = page_tools
     for block in blocks_of(page.read_text(encoding="utf-8")):
         if block.language == "toml" and "[throw]" in block.text and not block.not_run:
             path = tmp_path / "throw.toml"

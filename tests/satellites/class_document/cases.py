@@ -7,6 +7,9 @@ from crankfem.satellites.class_document.document import check_submission, class_
 
 # Of a command that reads files: a line of it. Its JSON, which holds paths, is looked at here.
 READS = {"class": ("class", "PATH", "--output", "submission")}
+# Of a snapshot the lines whose printed text it keeps, and the pages that they write.
+SNAPSHOTS = {"class": ("class 5rt-flex50d --output submission",)}
+PAGES = {"class": "submission/class.html"}
 
 
 def document(file: Path):

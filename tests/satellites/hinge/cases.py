@@ -26,6 +26,8 @@ OF_A_FILE = {"hinge": lambda path: run_hinge(load_hinge(path))}
 # Of a command line the words in its last lines; the least count of numbers that it prints.
 ANSWERS = {"hinge": "The hinge leaves"}
 PRINTED_NUMBERS = {"hinge": 25}
+# Of a snapshot the lines whose printed text it keeps.
+SNAPSHOTS = {"hinge": (f"hinge {SHIPPED}", f"hinge {SHIPPED} --full")}
 # Of each line that writes: the file that it reads, its words, a file that it writes, perhaps the last one.
 FILE = input_path(SHIPPED, "hinge")
 WRITES = {
