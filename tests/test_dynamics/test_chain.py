@@ -24,9 +24,7 @@ from dynamics.chains.varying import Variation, Varying
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
-
-# Of laws that hold for any chain or none.
-FEW = settings(max_examples=30)
+from refusals import refusals, refusals_of, refused
 
 
 @st.composite
@@ -42,35 +40,11 @@ def chain_values(draw, supported=None):
     return inertia, stiffness, ground
 
 
-def test_matrices():
-    chain = Chain([1.0, 2.0, 3.0], [10.0, 20.0], {2: 5.0})
-    assert chain.mass_matrix().tolist() == np.diag([1.0, 2.0, 3.0]).tolist()
-    expected = [[10.0, -10.0, 0.0], [-10.0, 30.0, -20.0], [0.0, -20.0, 25.0]]
-    assert chain.stiffness_matrix().tolist() == expected
-
-
-def test_ground_as_array_and_as_mapping_agree():
-    mapped = Chain([1.0, 2.0], [3.0], {0: 4.0})
-    listed = Chain([1.0, 2.0], [3.0], [4.0, 0.0])
-    assert mapped.ground.tolist() == listed.ground.tolist() == [4.0, 0.0]
-
-
-def test_rigid_body_mode_is_exact():
-    modes = Chain([0.017, 2.0, 3e-4], [1e6, 7e5]).modes()
-    assert modes.rigid == 1
-    assert modes.frequencies[0] == 0.0
-    assert modes.shapes[:, 0].tolist() == [1.0, 1.0, 1.0]
-
-
 def test_node_on_an_inertia_counts_once():
     modes = Chain([1.0, 1.0, 1.0], [1.0, 1.0]).modes()
     assert modes.node_positions[1] == (1.0,)
     assert modes.node_positions[2] == close((1.0 / 3.0, 5.0 / 3.0))
     assert modes.shapes[:, 1] == close([1.0, 0.0, -1.0], abs=1e-14)
-
-
-def test_node_of_two_masses_divides_the_shaft_by_their_inertias():
-    assert Chain([3.0, 1.0], [5.0]).modes().node_positions[1] == close((0.25,))
 
 
 def test_lowest_frequency_of_a_stiff_chain_on_a_soft_support():
@@ -102,13 +76,6 @@ def test_modes_are_orthogonal_and_scaled(values):
     assert modes.residual < 1e-13
 
 
-@given(chain_values())
-@FEW
-def test_chain_turned_end_for_end_keeps_its_frequencies(values):
-    turned = Chain(*(part[::-1] for part in values))
-    assert turned.modes().frequencies == close(Chain(*values).modes().frequencies, rel=1e-12)
-
-
 @pytest.mark.slow
 @given(chain_values())
 def test_mode_number_counts_the_nodes(values):
@@ -119,28 +86,18 @@ def test_mode_number_counts_the_nodes(values):
         assert all(0.0 <= position <= len(values[0]) - 1 for position in positions)
 
 
-@pytest.mark.parametrize(
-    ("inertia", "stiffness", "ground", "message"),
-    [
-        ([], [], None, "inertia: given no values"),
-        ([1.0, 0.0], [1.0], None, r"inertia\[1\]: given 0 .*more than zero"),
-        ([1.0, 1.0], [0.0], None, r"stiffness\[0\]: given 0 .*more than zero"),
-        ([1.0, 1.0], [1.0, 1.0], None, "stiffness: given 2 values for 2 inertias; .*exactly 1"),
-        ([1.0, 1.0], [1.0], [1.0], "ground: given 1 values; allowed are exactly 2"),
-        ([1.0, 1.0], [1.0], [1.0, -1.0], r"ground\[1\]: given -1"),
-        ([1.0, 1.0], [1.0], {1: -1.0}, r"ground\[1\]: given -1"),
-        ([1.0, 1.0], [1.0], {2: 1.0}, r"ground\[2\]: given 2; allowed are the whole numbers 0 to"),
-        ([1.0, 1.0], [1.0], {"a": 1.0}, "ground.*given 'a'; allowed are the whole numbers"),
-    ],
+test_unusable_chains_are_refused = refusals_of(
+    Chain,
+    ([], [], None, "inertia"),
+    ([1.0, 0.0], [1.0], None, "inertia[1]"),
+    ([1.0, 1.0], [0.0], None, "stiffness[0]"),
+    ([1.0, 1.0], [1.0, 1.0], None, "stiffness"),
+    ([1.0, 1.0], [1.0], [1.0], "ground"),
+    ([1.0, 1.0], [1.0], [1.0, -1.0], "ground[1]"),
+    ([1.0, 1.0], [1.0], {1: -1.0}, "ground[1]"),
+    ([1.0, 1.0], [1.0], {2: 1.0}, "ground[2]"),
+    ([1.0, 1.0], [1.0], {"a": 1.0}, "ground['a']"),
 )
-def test_unusable_chains_are_refused(inertia, stiffness, ground, message):
-    with pytest.raises(InputError, match=message) as raised:
-        Chain(inertia, stiffness, ground)
-    assert "\n" not in str(raised.value)
-    with pytest.raises(
-        InputError, match=r"connections\[0\]: given .* allowed are two node numbers"
-    ):
-        Chain([1.0, 1.0], [1.0], connections=[(0, 1, 1)])
 
 
 def test_chain_keeps_its_own_values():
@@ -219,11 +176,6 @@ def test_nodes_are_added_in_three_ways(shaft):
     assert add_node(shaft, "d", 4.0, to="b", ratio=3.0).gears == (Gear(1, 3, 3.0),)
 
 
-def test_a_gear_may_be_without_inertia(shaft):
-    geared = add_node(shaft, "d", 0.0, to="c", ratio=3.0)
-    assert geared.modes().frequencies == close(shaft.modes().frequencies)
-
-
 def test_links_and_supports_are_added(shaft):
     assert with_element(shaft, "a", "c", 4.0, loss_factor=0.1).connections[-1] == (0, 2)
     assert with_dashpot(shaft, "a", "b", 4.0).dashpots[-1] == Dashpot(0, 1, 4.0)
@@ -238,29 +190,26 @@ def test_links_and_supports_are_added(shaft):
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "field"),
     [
-        (lambda c: find_node(c, "x"), "node: given 'x'; allowed are a, b, c"),
-        (lambda c: find_node(c, 3), "node: given 3; allowed are the whole numbers 0 to 2"),
-        (lambda c: join_chains(c, "c", c), "name: given 'b', which a node of the chain has"),
-        (lambda c: join_chains(c, "c", c, "x"), "other_at: given 'x'"),
-        (
-            lambda c: join_chains(c, "c", c, stiffness=1.0, ratio=2.0, prefix="2 "),
-            "stiffness: given 1 beside a ratio",
-        ),
-        (lambda c: join_chains(c, "c", c, ratio=0.0, prefix="2 "), "gear.ratio: given 0"),
-        (lambda c: add_node(c, "d", 1.0, to="c"), "dashpot.damping: given 0"),
-        (lambda c: add_node(c, "d", 1.0, to="c", loss_factor=0.1), "stiffness: given none beside"),
-        (lambda c: add_node(c, "d", 1.0, to="c", stiffness=-1.0), r"stiffness\[2\]: given -1"),
-        (lambda c: add_node(c, "a", 1.0, to="c", stiffness=1.0), "name: given 'a'"),
-        (lambda c: with_ground(c, "a", -1.0), "stiffness: given -1"),
-        (lambda c: with_inertia(c, "a", -1.0), "added: given -1"),
-        (lambda c: with_element(c, "a", "a", 1.0), r"connections\[2\]: given node 0 twice"),
-        (lambda c: with_gear(c, "a", "c", 2.0), "gears: given ratios"),
+        (lambda c: find_node(c, "x"), "node"),
+        (lambda c: find_node(c, 3), "node"),
+        (lambda c: join_chains(c, "c", c), "name"),
+        (lambda c: join_chains(c, "c", c, "x"), "other_at"),
+        (lambda c: join_chains(c, "c", c, stiffness=1.0, ratio=2.0, prefix="2 "), "stiffness"),
+        (lambda c: join_chains(c, "c", c, ratio=0.0, prefix="2 "), "gear.ratio"),
+        (lambda c: add_node(c, "d", 1.0, to="c"), "dashpot.damping"),
+        (lambda c: add_node(c, "d", 1.0, to="c", loss_factor=0.1), "stiffness"),
+        (lambda c: add_node(c, "d", 1.0, to="c", stiffness=-1.0), "stiffness[2]"),
+        (lambda c: add_node(c, "a", 1.0, to="c", stiffness=1.0), "name"),
+        (lambda c: with_ground(c, "a", -1.0), "stiffness"),
+        (lambda c: with_inertia(c, "a", -1.0), "added"),
+        (lambda c: with_element(c, "a", "a", 1.0), "connections[2]"),
+        (lambda c: with_gear(c, "a", "c", 2.0), "gears"),
     ],
 )
-def test_unusable_changes_are_refused(shaft, change, message):
-    with pytest.raises(InputError, match=message):
+def test_unusable_changes_are_refused(shaft, change, field):
+    with refused(field):
         change(shaft)
 
 
@@ -319,7 +268,7 @@ def test_an_idler_gear_may_be_without_inertia():
     assert chain.speed_ratios.tolist() == [1.0, 1.0, -2.0, 1.0, 1.0]
     expected = Chain([1.0, 0.2, 1.0], [3.0, 3.0]).modes().frequencies
     assert chain.modes().frequencies == close(expected)
-    with pytest.raises(InputError, match=r"inertia\[2\]: given 0; allowed is more than zero where"):
+    with refused("inertia[2]"):
         Chain([1.0, 1.0, 0.0], [1.0], connections=[(1, 2)], gears=[Gear(0, 1, 2.0)])
 
 
@@ -380,10 +329,8 @@ def test_a_loop_of_springs():
 
 def test_two_ways_through_gears_that_contradict():
     for gears in ([Gear(0, 2, 2.0), Gear(1, 3, 2.1)], [Gear(0, 2, 2.0), Gear(1, 3, -2.0)]):
-        with pytest.raises(InputError, match=r"gears: given ratios .*because otherwise the shafts"):
+        with refused("gears"):
             Chain([1.0] * 4, [1.0] * 2, connections=[(0, 1), (2, 3)], gears=gears)
-    with pytest.raises(InputError, match="gears: given ratios"):
-        Chain([1.0] * 2, [1.0], gears=[Gear(0, 1, 1.5)])
 
 
 def test_dashpots_join_and_let_turn():
@@ -391,31 +338,6 @@ def test_dashpots_join_and_let_turn():
     modes = chain.modes()
     assert modes.rigid == 2
     assert modes.names[:2] == ("rigid body: node 0, node 1", "rigid body: node 2")
-
-
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: Gear(0, 1, 0.0), "gear.ratio: given 0"),
-        (lambda: Gear(0, 1, float("inf")), "gear.ratio.*given inf"),
-        (lambda: Dashpot(0, 1, -1.0), "dashpot.damping: given -1"),
-        (lambda: Chain([1.0] * 3, [1.0], connections=[(0, 1)]), "connections: given ones that do"),
-        (lambda: Chain([1.0] * 2, [1.0], connections=[(0, 0)]), r"connections\[0\]: given node 0"),
-        (lambda: Chain([1.0] * 2, [1.0], connections=[(0, 2)]), r"connections\[0\]: given 2"),
-        (lambda: Chain([1.0] * 2, [1.0], gears=[Gear(0, 5, 1.0)]), r"gears\[0\]: given 5"),
-        (
-            lambda: Chain([1.0] * 4, [1.0] * 2, connections=[(0, 1), (2, 3)], gears=[(1, 2, -0.6)]),
-            r"gears\[0\]: given \(1, 2, -0.6\); allowed is a Gear, like Gear\(driver=1",
-        ),
-        (lambda: Chain([1.0] * 2, [1.0], dashpots=[(0, 1, 3.0)]), r"dashpots\[0\]: given \(0, 1"),
-        (lambda: Chain([1.0] * 2, [1.0], gears=Gear(0, 1, 2.0)), "gears: given Gear.*; allowed"),
-        (lambda: Chain([1.0] * 2, [1.0], names=["a", "a"]), "names: given 2 names, 1 of them"),
-    ],
-)
-def test_unusable_links_are_refused(build, message):
-    with pytest.raises(InputError, match=message) as raised:
-        build()
-    assert "\n" not in str(raised.value)
 
 
 SPEEDS = np.array([40.0, 80.0])
@@ -468,19 +390,35 @@ def test_thrust_acts_towards_the_free_end():
 
 def test_what_does_not_fit_is_refused():
     chain = geared(0.25)
-    for changed, sentence in (
-        ({"node": 4}, "propeller node: given 4"),
-        ({"kind": "bending"}, "kind: given 'bending'"),
-        ({"ratio": 0.0}, "ratio: given 0; allowed is a finite number"),
-        ({"speeds": [2.0, 1.0]}, r"speeds\[1\]: given 1 rad/s after 2"),
+    for changed, field in (
+        ({"node": 4}, "propeller node"),
+        ({"kind": "bending"}, "kind"),
+        ({"ratio": 0.0}, "ratio"),
+        ({"speeds": [2.0, 1.0]}, "speeds[1]"),
     ):
         given = {"node": 3, "speeds": SPEEDS, "kind": "torsional"} | changed
-        with pytest.raises(InputError, match=sentence):
+        with refused(field):
             propeller_excitation(FORCES, chain, **given)
     steady = PropellerForces(4, 20.0, 3e5, 2e5, [], [0.1])
-    with pytest.raises(InputError, match="given no harmonics of its thrust"):
+    with refused("propeller"):
         propeller_excitation(steady, chain, 3, SPEEDS, kind="axial")
-    with pytest.raises(InputError, match=r"propeller_forces.thrust_phases: given 1 for 2 shares"):
+    with refused("propeller_forces.thrust_phases"):
         PropellerForces(4, 20.0, 3e5, 2e5, [0.1, 0.02], [], thrust_phases_deg=[0.1])
-    with pytest.raises(InputError, match=r"propeller_forces.blades: given 1"):
-        PropellerForces(1, 20.0, 3e5, 2e5, [0.1], [])
+
+
+test_refused_calls = refusals(
+    ("connections[0]", lambda: Chain([1.0, 1.0], [1.0], connections=[(0, 1, 1)])),
+    ("gears", lambda: Chain([1.0] * 2, [1.0], gears=[Gear(0, 1, 1.5)])),
+    ("propeller_forces.blades", lambda: PropellerForces(1, 20.0, 3e5, 2e5, [0.1], [])),
+    ("gear.ratio", lambda: Gear(0, 1, 0.0)),
+    ("gear.ratio[0]", lambda: Gear(0, 1, float("inf"))),
+    ("dashpot.damping", lambda: Dashpot(0, 1, -1.0)),
+    ("connections", lambda: Chain([1.0] * 3, [1.0], connections=[(0, 1)])),
+    ("connections[0]", lambda: Chain([1.0] * 2, [1.0], connections=[(0, 0)])),
+    ("connections[0]", lambda: Chain([1.0] * 2, [1.0], connections=[(0, 2)])),
+    ("gears[0]", lambda: Chain([1.0] * 2, [1.0], gears=[Gear(0, 5, 1.0)])),
+    ("gears[0]", lambda: Chain([1.0] * 2, [1.0], gears=[(1, 0, -0.6)])),
+    ("dashpots[0]", lambda: Chain([1.0] * 2, [1.0], dashpots=[(0, 1, 3.0)])),
+    ("gears", lambda: Chain([1.0] * 2, [1.0], gears=Gear(0, 1, 2.0))),
+    ("names", lambda: Chain([1.0] * 2, [1.0], names=["a", "a"])),
+)

@@ -17,7 +17,7 @@ from crankbase.array_checks import (
     positive_vector,
     turning_speeds,
 )
-from crankbase.errors import InputError, SolveError
+from crankbase.errors import SolveError
 from dynamics.assessment.limit_rules import crankshaft_limit, propulsion_shaft_limit
 from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limit
 from dynamics.balance import balance
@@ -44,6 +44,7 @@ from dynamics.response.forced import forced_response
 from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.torque import check_energy, engine_torque, pin_force_harmonics, star_diagram
+from refusals import refusals, refused
 
 ROD = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
 ENGINE = EngineLayout(
@@ -92,9 +93,8 @@ OF_SPEED = {
 @pytest.mark.parametrize("speed", [math.nan, math.inf, 1e308, 1e200, 2.0 * HIGHEST_SPEED])
 @pytest.mark.parametrize("name", OF_SPEED)
 def test_speeds_of_no_shaft_are_refused(name, speed):
-    with pytest.raises(InputError, match=r"given .*; allowed (is|are) .*because") as caught:
+    with refused():
         OF_SPEED[name](speed)
-    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", OF_SPEED)
@@ -148,9 +148,8 @@ ELSEWHERE = {
 
 @pytest.mark.parametrize("name", ELSEWHERE)
 def test_numbers_that_leave_what_can_be_calculated_are_refused(name):
-    with pytest.raises(InputError, match="given") as caught:
+    with refused():
         ELSEWHERE[name]()
-    assert "\n" not in str(caught.value)
 
 
 def test_the_bounds_themselves_are_taken():
@@ -160,14 +159,6 @@ def test_the_bounds_themselves_are_taken():
     assert nonnegative_number("damping", 1e-300, "", "") == 1e-300  # as good as none
     assert turning_speeds("speed", -HIGHEST_SPEED) == -HIGHEST_SPEED
     assert finite_array("force", [-LARGEST]).tolist() == [-LARGEST]
-    for call, field in (
-        (lambda: positive_number("mass", 2.0 * LARGEST, "kg", ""), "mass"),
-        (lambda: positive_vector("mass", [1.0, 0.5 * SMALLEST], "kg", ""), r"mass\[1\]"),
-        (lambda: turning_speeds("speed", [0.0, -2.0 * HIGHEST_SPEED]), r"speed\[1\]"),
-        (lambda: finite_array("force", [[0.0, -2.0 * LARGEST]]), r"force\[0\]\[1\]"),
-    ):
-        with pytest.raises(InputError, match=rf"^{field}: given .* a computer can calculate\.$"):
-            call()
 
 
 def test_a_hair_of_a_bore_is_none():
@@ -182,30 +173,30 @@ def test_a_hair_of_a_bore_is_none():
 def test_a_gas_pressure_is_checked_however_it_is_made(bad):
     spoiled = GAS.pressure.copy()
     spoiled[3] = bad
-    with pytest.raises(InputError, match=r"^pressure\[3\]: given"):
+    with refused("pressure[3]"):
         GasPressure(GAS.angles_deg, spoiled, 4)
 
 
 @pytest.mark.parametrize(
-    ("angles", "strokes", "message"),
+    ("angles", "strokes", "field"),
     [
         (
             np.where(GAS.angles_deg == GAS.angles_deg[3], np.nan, GAS.angles_deg),
             4,
-            r"angles_deg\[3\]: given nan",
+            "angles_deg[3]",
         ),
-        (GAS.angles_deg[:-1], 4, "angles_deg: given 359 angles for 360 pressures"),
-        (GAS.angles_deg - 180.0, 4, "do not begin at the top"),
-        (GAS.angles_deg + 0.06 * np.sin(np.radians(GAS.angles_deg)), 4, "are not even"),
-        (GAS.angles_deg, 2, "allowed is one cycle of 360 deg"),
-        (GAS.angles_deg, 3, "strokes: given 3"),
-        (np.radians(GAS.angles_deg), 4, r"360 angles from 0 to 12\.53, .* radians; allowed are"),
+        (GAS.angles_deg[:-1], 4, "angles_deg"),
+        (GAS.angles_deg - 180.0, 4, "angles_deg"),
+        (GAS.angles_deg + 0.06 * np.sin(np.radians(GAS.angles_deg)), 4, "angles_deg"),
+        (GAS.angles_deg, 2, "angles_deg"),
+        (GAS.angles_deg, 3, "strokes"),
+        (np.radians(GAS.angles_deg), 4, "angles_deg"),
     ],
 )
-def test_a_gas_pressure_has_even_angles_of_one_cycle(angles, strokes, message):
+def test_a_gas_pressure_has_even_angles_of_one_cycle(angles, strokes, field):
     again = GasPressure(GAS.angles_deg, GAS.pressure, 4)
     assert again.at(angle_deg=57.0) == GAS.at(angle_deg=57.0)
-    with pytest.raises(InputError, match=message):
+    with refused(field):
         GasPressure(angles, GAS.pressure, strokes)
 
 
@@ -220,11 +211,6 @@ def test_ranges_of_speed_have_closed_ends(end):
     beside = np.array([end * (1.0 - 1e-12), end * (1.0 + 1e-12)])
     assert within(beside, 0.0, end).tolist() == [True, False]
     assert within(beside, end, 2.0 * end).tolist() == [False, True]
-
-
-def test_an_array_for_one_number_is_told_by_its_shape():
-    with pytest.raises(InputError, match=r"^speed: given an array of shape \(360,\); allowed"):
-        balance(ENGINE, ANGLES)
 
 
 BROKEN_CHAIN = Chain(inertia=[1.0, 2.0, 5.0], stiffness=[1e5, 3e5], damping=[20.0, 30.0])
@@ -271,3 +257,12 @@ def test_work_that_is_not_that_of_the_gas():
     check_energy(torque)
     with pytest.raises(SolveError, match=r"work of the gas differ by a share of .*\(allowed"):
         check_energy(replace(torque, indicated_work=torque.indicated_work + 1e-3))
+
+
+test_refused = refusals(
+    ("speed", lambda: balance(ENGINE, ANGLES)),
+    ("mass", lambda: positive_number("mass", 2.0 * LARGEST, "kg", "")),
+    ("mass[1]", lambda: positive_vector("mass", [1.0, 0.5 * SMALLEST], "kg", "")),
+    ("speed[1]", lambda: turning_speeds("speed", [0.0, -2.0 * HIGHEST_SPEED])),
+    ("force[0][1]", lambda: finite_array("force", [[0.0, -2.0 * LARGEST]])),
+)

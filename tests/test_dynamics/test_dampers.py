@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.errors import InputError
 from dynamics.assessment.damper_sizing import (
     TrialSize,
     size_axial_damper,
@@ -21,7 +20,6 @@ from dynamics.assessment.response_curves import (
 )
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import (
-    AxialDamper,
     RubberDamper,
     ViscousDamper,
     main_inertia,
@@ -33,6 +31,7 @@ from dynamics.chains.dampers import (
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
 from dynamics.response.order_excitation import OrderExcitation
+from refusals import refusals, refusals_of, refused
 
 # Main inertia 1, spring 1: frequency 1, static deflection 1 per unit torque.
 MAIN = Chain([1.0], [], [1.0], names=["main"])
@@ -44,13 +43,6 @@ def peak(chain, node=0, speeds=SPEEDS):
     forces[:, node] = 1.0
     motion = harmonic_response(chain_system(chain), speeds, forces).motion
     return np.max(np.abs(motion[:, node]))
-
-
-def test_axial_damper_holds_to_ground():
-    chain = AxialDamper(3.0, stiffness=50.0, mass=2.0).attached(Chain([1.0, 1.0], [9.0]), 1)
-    assert chain.inertia.tolist() == [1.0, 3.0]
-    assert chain.ground.tolist() == [0.0, 50.0]
-    assert chain.ground_damping.tolist() == [0.0, 3.0]
 
 
 def test_sized_dampers_calm_the_mode_they_are_for():
@@ -66,23 +58,6 @@ def test_sized_dampers_calm_the_mode_they_are_for():
         # Rigid motion and other modes add to the one mode: within a quarter of its peak.
         found = peak(damper.attached(chain, 0), speeds=speeds) / static
         assert found == close(best.magnifier, rel=0.25)
-
-
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: ViscousDamper(1.0, 0.0), "damper.damping: given 0"),
-        (lambda: RubberDamper(1.0, 1.0, loss_factor=-0.1), "damper.loss_factor: given -0.1"),
-        (lambda: tuned_optimum(0.0), "mass_ratio: given 0"),
-        (lambda: ViscousDamper(1.0, 1.0).attached(MAIN, "hub"), "given 'hub'; allowed are main"),
-        (lambda: ViscousDamper(1.0, 1.0, name="main").attached(MAIN, 0), "name: given 'main'"),
-        (lambda: main_inertia(MAIN, 0, 2), "mode: given 2; allowed is 1, because the chain has 1"),
-        (lambda: main_inertia(Chain([1.0, 1.0, 1.0], [1.0, 1.0]), 1), "does not move in mode 1"),
-    ],
-)
-def test_unusable_dampers_are_refused(build, message):
-    with pytest.raises(InputError, match=message):
-        build()
 
 
 SIZING_MAIN = Chain([1.0], [], {0: 1.0}, connections=[], names=["main"])
@@ -118,7 +93,6 @@ def test_axial_damper_at_a_node_can_be_too_strong():
     assert 0.1 < found.damper.damping < 10.0
     assert found.used_at_best[0] > 10.0 * found.used
     assert found.used_at_best[-1] > 10.0 * found.used
-    assert found.sentence.startswith("No damper in the ranges searched keeps the limit")
 
 
 def test_sizes_of_a_searchs_end_are_told_once():
@@ -154,7 +128,6 @@ def test_limit_out_of_reach_is_said_with_the_reason():
     assert not found.reached
     assert found.damper.ring_inertia == 0.1
     assert found.used == close(21.0 / 5.0, rel=1e-3)  # (2 + mu) / mu
-    assert found.sentence.endswith("without a damper; the ring inertia is the largest allowed.")
 
 
 def test_smallest_ring_is_enough_if_it_keeps_the_limit():
@@ -193,26 +166,21 @@ def test_ring_gets_no_force_and_loads_become_stresses():
     damped = ViscousDamper(0.2, 0.3).attached(chain, 0)
     load, stress = (element_load(excitation, 0, section=s)(damped) for s in (1.0, 1e-4))
     assert stress.values == close(1e4 * load.values)
-    with pytest.raises(InputError, match="element: given 1; allowed is 0, because the chain has 1"):
+    with refused("element"):
         element_load(excitation, 1)(chain)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"ring_inertia": (0.2, 0.1)}, "the least and then the largest value"),
-        ({"ring_inertia": -1.0}, "ring_inertia: given -1 kg m"),
-        ({"ring_inertia": 0.1, "damping": (0.0, 1.0)}, "damping.0.: given 0 N m s/rad"),
-        ({"ring_inertia": 0.1, "chain": Chain([1.0], [])}, "chain: given one of 1 rigid motions"),
-    ],
+test_impossible_ranges_are_refused = refusals_of(
+    lambda options: size_viscous_damper(
+        **{"chain": SIZING_MAIN, "node": 0, "result": node_amplitude(UNIT, 0)}
+        | {"limit": limit(5.0)}
+        | options
+    ),
+    ({"ring_inertia": (0.2, 0.1)}, "ring_inertia"),
+    ({"ring_inertia": -1.0}, "ring_inertia"),
+    ({"ring_inertia": 0.1, "damping": (0.0, 1.0)}, "damping[0]"),
+    ({"ring_inertia": 0.1, "chain": Chain([1.0], [])}, "chain"),
 )
-def test_impossible_ranges_are_refused(options, message):
-    with pytest.raises(InputError, match=message):
-        size_viscous_damper(
-            **{"chain": SIZING_MAIN, "node": 0, "result": node_amplitude(UNIT, 0)}
-            | {"limit": limit(5.0)}
-            | options
-        )
 
 
 @pytest.mark.slow
@@ -239,3 +207,14 @@ def test_viscous_damper_of_a_six_cylinder_engine():
         chain, 0, result, wanted, ring_inertia=0.97 * found.damper.ring_inertia
     )
     assert not smaller.reached
+
+
+test_refused = refusals(
+    ("damper.damping", lambda: ViscousDamper(1.0, 0.0)),
+    ("damper.loss_factor", lambda: RubberDamper(1.0, 1.0, loss_factor=-0.1)),
+    ("mass_ratio", lambda: tuned_optimum(0.0)),
+    ("node", lambda: ViscousDamper(1.0, 1.0).attached(MAIN, "hub")),
+    ("name", lambda: ViscousDamper(1.0, 1.0, name="main").attached(MAIN, 0)),
+    ("mode", lambda: main_inertia(MAIN, 0, 2)),
+    ("node", lambda: main_inertia(Chain([1.0, 1.0, 1.0], [1.0, 1.0]), 1)),
+)

@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
-from crankbase.errors import InputError
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper, main_inertia
 from dynamics.chains.editing import add_node, with_damper, with_names
@@ -33,6 +32,7 @@ from dynamics.response.linear_system import chain_system, damped
 from dynamics.response.loads import element_loads, power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from parts_in_a_line import cylinder as made_cylinder
+from refusals import refusals, refused
 
 
 def test_axial_chain_shares_each_throw_between_its_sections():
@@ -130,19 +130,12 @@ def test_axial_chain_with_damping_damper_and_shaft_line():
     assert built.sections == (0, 1, 2)
 
 
-def test_torsional_chain_with_a_shaft_line():
-    line = ShaftLine([shaft_cylinder(3.0, 0.2)], name="line").chain()
-    built = torsional_chain([1e-7], [1.0], 5.0, shaft_line=line)
-    assert built.nodes == ("cylinder 1", "flywheel", "line 1")
-    assert built.chain.is_row
-
-
 def test_an_engine_chain_keeps_its_throws_when_its_chain_is_edited():
     built = torsional_chain([1e-7], [1.0], 5.0)
     wider = built.with_chain(add_node(built.chain, "pump", 0.1, to="flywheel", ratio=2.0))
     assert wider.nodes == ("cylinder 1", "flywheel", "pump")
     assert wider.throw_nodes == built.throw_nodes
-    with pytest.raises(InputError, match=r"chain: given nodes a, b; .*begin with cylinder 1"):
+    with refused("chain"):
         built.with_chain(with_names(built.chain, ["a", "b"]))
 
 
@@ -206,63 +199,12 @@ def test_mean_inertia_of_a_throw_is_its_series_in_the_crank_ratio(ratio, along, 
 
 
 def test_unusable_throw_inertias_are_refused(v_four):
-    with pytest.raises(InputError, match="reciprocating: given 'third'"):
+    with refused("reciprocating"):
         throw_inertias(v_four, 1.0, reciprocating="third")
-    with pytest.raises(InputError, match="solid_inertias: given 3 values for 2 throws"):
+    with refused("solid_inertias"):
         throw_inertias(v_four, [1.0, 1.0, 1.0])
-    with pytest.raises(InputError, match="throws: given 1"):
+    with refused("throws"):
         throw_inertias(v_four, 1.0, throws=[0])
-
-
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: axial_chain([], [], 1.0, 0, 1.0), "throw_compliances: given no values"),
-        (lambda: axial_chain([0.0], [1.0], 1.0, 0, 1.0), r"throw_compliances\[0\]: given 0 m/N"),
-        (lambda: axial_chain([1.0], [1.0, 1.0], 1.0, 0, 1.0), "throw_masses: given 2 values"),
-        (lambda: axial_chain([1.0], [1.0], -1.0, 0, 1.0), "flywheel_mass: given -1 kg"),
-        (lambda: axial_chain([1.0], [1.0], 1.0, 2, 1.0), "thrust_node: given 2; .*0 to 1"),
-        (lambda: axial_chain([1.0], [1.0], 1.0, 0.5, 1.0), "thrust_node: given 0.5"),
-        (lambda: axial_chain([1.0], [1.0], 1.0, 0, -1.0), "thrust_stiffness: given -1 N/m"),
-        (lambda: axial_chain([1.0], [1.0], 1.0, 0, 1.0, [1.0]), "extra_masses: given 1 values"),
-        (lambda: axial_chain([1.0], [1.0], 1.0, 0, 1.0, {0: -1.0}), r"extra_masses\[0\]: given -1"),
-        (lambda: torsional_chain([1.0], [1.0], 0.0), "flywheel_inertia: given 0 kg m"),
-        (lambda: torsional_chain([1.0], [-1.0], 1.0), r"throw_inertias\[0\]: given -1"),
-        (lambda: torsional_chain([1.0], [1.0], 1.0, -1.0), "free_end_inertia: given -1"),
-        (lambda: torsional_chain([1.0], [1.0], 1.0, damping=-1.0), r"damping\[0\]: given -1"),
-        (lambda: torsional_chain([1.0], [1.0], 1.0, throw_damping=[1.0, 1.0]), "throw_damping:"),
-        (lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=0), "cylinders: given 0"),
-        (lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=[1, 1]), "cylinders: given 2 values"),
-        (
-            lambda: torsional_chain([1.0], [1.0], 1.0, damper=ViscousDamper(1.0, 1.0)),
-            "free_end_inertia: given 0 with a damper",
-        ),
-        (lambda: torsional_chain([1.0], [1.0], 1.0, damper=AxialDamper(1.0)), "damper: given"),
-        (
-            lambda: axial_chain([1.0], [1.0], 1.0, 0, 1.0, damper=ViscousDamper(1.0, 1.0)),
-            "damper: given ViscousDamper.* axial",
-        ),
-        (
-            lambda: torsional_chain([1.0], [1.0], 1.0, 0.0, DrivenMachine(1.0, 1.0, on="pump")),
-            "to: given 'pump'; allowed are cylinder 1, flywheel",
-        ),
-        (
-            lambda: torsional_chain(
-                [1.0], [1.0], 1.0, shaft_line=Chain([1.0, 1.0], [1.0])
-            ).with_chain(Chain([1.0], [])),
-            "chain: given nodes node 0",
-        ),
-        (lambda: DrivenMachine(0.0, 1.0), "driven.inertia: given 0"),
-        (lambda: DrivenMachine(1.0, 0.0), "driven.coupling_stiffness: given 0"),
-        (lambda: throw_inertia(0.0, 1.0, 1.0, 1.0), "solid_inertia_about_shaft: given 0"),
-        (lambda: throw_inertia(1.0, -1.0, 1.0, 1.0), "rod_rotating_mass: given -1"),
-        (lambda: throw_inertia(1.0, 1.0, -1.0, 1.0), "reciprocating_mass: given -1"),
-        (lambda: throw_inertia(1.0, 1.0, 1.0, 0.0), "crank_radius: given 0 m"),
-    ],
-)
-def test_unusable_values_are_refused(build, message):
-    with pytest.raises(InputError, match=message):
-        build()
 
 
 ROW = Chain([1.0, 2.0, 3.0], [1e4, 2e4])
@@ -331,13 +273,6 @@ def test_loss_factor_damps_a_mode_far_below_the_highest():
         assert np.allclose(one.motion[0, 0], wanted, rtol=0.0, atol=1e-3 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize(("away", "unbounded"), [(0.9e-9, True), (1.1e-9, False)])
-@pytest.mark.parametrize("method", ["modal", "direct"])
-def test_undamped_mode_is_unbounded_within_a_billionth_of_its_frequency(away, unbounded, method):
-    speed = ROW.modes().angular_frequencies[1] * (1.0 + away)
-    assert forced_response(ROW, at_first_node(speed), method=method).unbounded[0, 0] == unbounded
-
-
 def test_rigid_motion_of_unknowns_behind_a_gear():
     chain = Chain(
         [1.0, 2.0, 3.0, 4.0], [5e3, 7e3], connections=[(0, 2), (1, 3)], gears=[Gear(0, 1, 3.0)]
@@ -354,13 +289,6 @@ def test_elastic_motion_has_no_momentum():
     motion = forced_response(chain, at_first_node(40.0)).elastic.values[0, 0]
     # A sum of three terms that cancel to their round-off.
     assert np.abs(chain.inertia @ motion) < 1e-12 * np.abs(chain.inertia * motion).sum()
-
-
-def test_absolute_damping_of_another_node_is_told_by_itself():
-    own = Chain([1.0, 1.0], [1e3], ground_damping={0: 5.0})
-    found = damped(own, absolute={1: 2.0}, source="a paper")
-    assert found.chain.ground_damping.tolist() == [5.0, 2.0]
-    assert "up to 2 N m s/rad" in found.record[1]
 
 
 @pytest.mark.parametrize("kind", ["absolute", "relative", "loss_factor", "element_magnifier"])
@@ -386,7 +314,7 @@ def test_forces_of_inertia_are_met_between_speeds(speeds):
 
 def test_forces_that_are_no_numbers_are_refused():
     for forces in ([[["a"]]], None, [[[1.0]], [1.0]]):
-        with pytest.raises(InputError, match=r"^forces: given .*; allowed .*, because"):
+        with refused("forces"):
             OrderExcitation([1.0], [1.0], forces)
 
 
@@ -405,7 +333,7 @@ def test_given_torque_is_met_at_every_angle_after_each_firing():
     )
     tangential, _ = forces_at_speeds(found, [10.0]).at_angle(0, shaft_angle_deg=np.degrees([0.7]))
     assert tangential[0, 1] * 0.1 == close(torque(0.7 - 1.1))
-    with pytest.raises(InputError, match="orders kept"):
+    with refused("orders[1]"):
         torque_harmonics(
             known.up_to(3.0),
             firing_angles_deg=np.degrees([0.0, 1.1]),
@@ -437,7 +365,7 @@ def test_spline_between_diagrams_below_zero_pressure_is_refused():
     peak = 45e5 * np.exp(-(((FOUR_STROKE - 2.0 * np.pi) / 0.3) ** 2))
     flat, fired = level(9e4), gas_pressure(9e4 + peak, 4, angles_deg=np.degrees(FOUR_STROKE))
     points = [(10.0, 1.0, flat), (20.0, 1.0, flat), (21.0, 1.0, fired), (40.0, 1.0, flat)]
-    with pytest.raises(InputError, match=r"^speed: given 143.239 1/min, where the cubic between"):
+    with refused("speed"):
         cylinder_forces(one_cylinder(), [15.0], 4, pressure_map(points))
     straight = pressure_map(points, method="linear")
     assert np.all(np.isfinite(cylinder_forces(one_cylinder(), [15.0], 4, straight).tangential))
@@ -448,8 +376,7 @@ def test_motored_diagram_at_all_speeds_beside_a_map_is_remarked():
     given = {"pressure": pressure_map(points), "motored": level(1e5)}
     plain = cylinder_forces(one_cylinder(), [12.0, 18.0], 4, **given)
     failing = cylinder_forces(one_cylinder(), [12.0, 18.0], 4, **given, misfire={1: 1.0})
-    assert plain.remarks == ()
-    assert failing.remarks[0].startswith("One pressure diagram was used at all speeds from")
+    assert [len(found.remarks) for found in (plain, failing)] == [0, 1]
 
 
 def test_inertia_forces_do_not_depend_on_the_samples_of_the_gas():
@@ -486,10 +413,49 @@ def test_ratio_of_a_propeller_behind_gears_and_a_dashpot_has_to_be_given():
         "dashpots": [Dashpot(1, 2, 50.0)],
     }
     geared = Chain(**slipping, gears=[Gear(2, 3, 0.25)])
-    with pytest.raises(InputError, match=r"^ratio: given none for node 3; allowed is its speed"):
+    with refused("ratio"):
         propeller_excitation(propeller, geared, 3, [40.0], kind="torsional")
     given = propeller_excitation(propeller, geared, 3, [40.0], kind="torsional", ratio=0.25)
     assert given.orders == close([1.0])
     slipping["inertia"] = [2.0, 30.0, 80.0]
     direct = propeller_excitation(propeller, Chain(**slipping), 2, [40.0], kind="torsional")
     assert direct.orders == close([4.0])
+
+
+test_refused = refusals(
+    ("throw_compliances", lambda: axial_chain([], [], 1.0, 0, 1.0)),
+    ("throw_compliances[0]", lambda: axial_chain([0.0], [1.0], 1.0, 0, 1.0)),
+    ("throw_masses", lambda: axial_chain([1.0], [1.0, 1.0], 1.0, 0, 1.0)),
+    ("flywheel_mass", lambda: axial_chain([1.0], [1.0], -1.0, 0, 1.0)),
+    ("thrust_node", lambda: axial_chain([1.0], [1.0], 1.0, 2, 1.0)),
+    ("thrust_node", lambda: axial_chain([1.0], [1.0], 1.0, 0.5, 1.0)),
+    ("thrust_stiffness", lambda: axial_chain([1.0], [1.0], 1.0, 0, -1.0)),
+    ("extra_masses", lambda: axial_chain([1.0], [1.0], 1.0, 0, 1.0, [1.0])),
+    ("extra_masses[0]", lambda: axial_chain([1.0], [1.0], 1.0, 0, 1.0, {0: -1.0})),
+    ("flywheel_inertia", lambda: torsional_chain([1.0], [1.0], 0.0)),
+    ("throw_inertias[0]", lambda: torsional_chain([1.0], [-1.0], 1.0)),
+    ("free_end_inertia", lambda: torsional_chain([1.0], [1.0], 1.0, -1.0)),
+    ("damping[0]", lambda: torsional_chain([1.0], [1.0], 1.0, damping=-1.0)),
+    ("throw_damping", lambda: torsional_chain([1.0], [1.0], 1.0, throw_damping=[1.0, 1.0])),
+    ("cylinders", lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=0)),
+    ("cylinders", lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=[1, 1])),
+    (
+        "free_end_inertia",
+        lambda: torsional_chain([1.0], [1.0], 1.0, damper=ViscousDamper(1.0, 1.0)),
+    ),
+    ("damper", lambda: torsional_chain([1.0], [1.0], 1.0, damper=AxialDamper(1.0))),
+    ("damper", lambda: axial_chain([1.0], [1.0], 1.0, 0, 1.0, damper=ViscousDamper(1.0, 1.0))),
+    ("to", lambda: torsional_chain([1.0], [1.0], 1.0, 0.0, DrivenMachine(1.0, 1.0, on="pump"))),
+    (
+        "chain",
+        lambda: torsional_chain([1.0], [1.0], 1.0, shaft_line=Chain([1.0, 1.0], [1.0])).with_chain(
+            Chain([1.0], [])
+        ),
+    ),
+    ("driven.inertia", lambda: DrivenMachine(0.0, 1.0)),
+    ("driven.coupling_stiffness", lambda: DrivenMachine(1.0, 0.0)),
+    ("solid_inertia_about_shaft", lambda: throw_inertia(0.0, 1.0, 1.0, 1.0)),
+    ("rod_rotating_mass", lambda: throw_inertia(1.0, -1.0, 1.0, 1.0)),
+    ("reciprocating_mass", lambda: throw_inertia(1.0, 1.0, -1.0, 1.0)),
+    ("crank_radius", lambda: throw_inertia(1.0, 1.0, 1.0, 0.0)),
+)

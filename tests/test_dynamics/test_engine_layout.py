@@ -21,6 +21,7 @@ from dynamics.engine.layout import (
     firing_order_of_angles,
 )
 from dynamics.engine.rods import ConnectingRod, SliderCrank
+from refusals import refusals, refusals_of, refused
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069)
 SHORT = ConnectingRod(0.065, 5.0, 0.03, 0.005)
@@ -144,7 +145,7 @@ def test_a_pistons_place_is_asked_by_a_whole_number():
     engine = EngineLayout(0.07, in_line(0, 180), [1, 2])
     assert piston_position(engine, np.int64(2))(np.zeros(1)) == close(0.335)
     for number in (1.5, 0, 3, True):
-        with pytest.raises(InputError, match=f"cylinder: given {number}; .*whole numbers 1 to 2"):
+        with refused("cylinder"):
             piston_position(engine, number)
 
 
@@ -174,67 +175,42 @@ def hinged_to(main, crank=0.0, **pin):
     )
 
 
-@pytest.mark.parametrize(
-    ("parts", "order", "more", "words"),
-    [
-        (in_line(0, 0, 0), [1, 2, 2], {}, "from 1 to 3 once, because it repeats cylinder 2"),
-        (in_line(0, 0, 0), [1, 2], {}, r"given \[1, 2\]; .*because it omits cylinder 3"),
-        (in_line(0, 0), [1, 3], {}, "because the engine has no cylinder 3"),
-        (in_line(0, 0), [0, 1], {}, "because the engine has no cylinder 0"),
-        (in_line(0, 0), [1, 2, 1], {}, "because it repeats cylinder 1"),
-        (in_line(0, 0), [True, 2], {}, r"given \[True, 2\]; .*cylinders have whole numbers"),
-        (in_line(0, 0), [1, 2.0], {}, "because cylinders have whole numbers"),
-        (in_line(0, 0), ["1", 2], {}, "because cylinders have whole numbers"),
-        (in_line(0, 180, 180, 0), [1, 4, 3, 2], {}, r"order whose .* within one cycle of 720 deg"),
-        (in_line(0, 0), [1, 2], {"strokes": 2}, "within one cycle of 360 deg"),
-        (in_line(0), [1], {"strokes": 3}, "strokes: given 3; allowed are 2 and 4"),
-        ([], [], {}, "cylinders: given none"),
-        (in_line(0), [1], {"crank_radius": 0.0}, "crank_radius: given 0 m"),
-        (in_line(0), [1], {"shaft_inertia": -1.0}, "shaft_inertia: given -1 kg"),
-        ([cylinder(rod=SHORT)], [1], {}, "cylinder 1: crank_radius: given 0.07 m .*0.065 m"),
-        ([cylinder(pin_offset=-0.2)], [1], {}, "offset of 0.2 m; allowed is less than rod length"),
-        ([hinged_to(1)], [1], {}, "cylinder 1: slave pin: given main cylinder 1; .*another"),
-        ([cylinder(), hinged_to(3)], [1, 2], {}, "cylinder 2: slave pin: given main cylinder 3"),
-        ([cylinder(), hinged_to(0)], [1, 2], {}, "cylinder 2: slave pin: given main cylinder 0"),
-        ([cylinder(), hinged_to(1), hinged_to(2)], [1, 2, 3], {}, "cylinder 3: slave pin: given"),
-        ([cylinder(), hinged_to(1, crank=90.0)], [1, 2], {}, "cylinder 2: crank_angle_deg: given"),
-        ([cylinder(position=0.1), hinged_to(1)], [1, 2], {}, "cylinder 2: position: given 0 m"),
-        ([cylinder(), hinged_to(1, radius=0.265)], [1, 2], {}, "cylinder 2: slave pin radius:"),
-        (
-            [cylinder(), hinged_to(1, radius=0.26, angle_deg=math.degrees(-0.9))],
-            [1, 2],
-            {},
-            "cylinder 2: rod length: given 0.265 m for a pin that goes 0.[0-9]+ m aside",
-        ),
-        (in_line(0, 0), [1, 2], {"firing_angles_deg": [0.0]}, "firing_angles_deg: given 1"),
-        (in_line(0, 180), [1, 2], {"firing_angles_deg": [0.0, 0.0]}, "given 0 deg for cylinder"),
-    ],
+test_bad_layouts_are_refused_with_the_reason = refusals_of(
+    lambda parts, order, more: EngineLayout(
+        **{"crank_radius": 0.07, "cylinders": parts, "firing_order": order, **more}
+    ),
+    (in_line(0, 0, 0), [1, 2, 2], {}, "firing_order"),
+    (in_line(0, 0, 0), [1, 2], {}, "firing_order"),
+    (in_line(0, 0), [1, 3], {}, "firing_order"),
+    (in_line(0, 0), [0, 1], {}, "firing_order"),
+    (in_line(0, 0), [1, 2, 1], {}, "firing_order"),
+    (in_line(0, 0), [True, 2], {}, "firing_order"),
+    (in_line(0, 0), [1, 2.0], {}, "firing_order"),
+    (in_line(0, 0), ["1", 2], {}, "firing_order"),
+    (in_line(0, 180, 180, 0), [1, 4, 3, 2], {}, "firing_order"),
+    (in_line(0, 0), [1, 2], {"strokes": 2}, "firing_order"),
+    (in_line(0), [1], {"strokes": 3}, "strokes"),
+    ([], [], {}, "cylinders"),
+    (in_line(0), [1], {"crank_radius": 0.0}, "crank_radius"),
+    (in_line(0), [1], {"shaft_inertia": -1.0}, "shaft_inertia"),
+    ([cylinder(rod=SHORT)], [1], {}, "crank_radius"),
+    ([cylinder(pin_offset=-0.2)], [1], {}, "crank_radius"),
+    ([hinged_to(1)], [1], {}, "slave pin"),
+    ([cylinder(), hinged_to(3)], [1, 2], {}, "slave pin"),
+    ([cylinder(), hinged_to(0)], [1, 2], {}, "slave pin"),
+    ([cylinder(), hinged_to(1), hinged_to(2)], [1, 2, 3], {}, "slave pin"),
+    ([cylinder(), hinged_to(1, crank=90.0)], [1, 2], {}, "crank_angle_deg"),
+    ([cylinder(position=0.1), hinged_to(1)], [1, 2], {}, "position"),
+    ([cylinder(), hinged_to(1, radius=0.265)], [1, 2], {}, "slave pin radius"),
+    (
+        [cylinder(), hinged_to(1, radius=0.26, angle_deg=math.degrees(-0.9))],
+        [1, 2],
+        {},
+        "rod length",
+    ),
+    (in_line(0, 0), [1, 2], {"firing_angles_deg": [0.0]}, "firing_angles_deg"),
+    (in_line(0, 180), [1, 2], {"firing_angles_deg": [0.0, 0.0]}, "firing_angles_deg"),
 )
-def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
-    with pytest.raises(InputError, match=words):
-        EngineLayout(**{"crank_radius": 0.07, "cylinders": parts, "firing_order": order, **more})
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: cylinder(bore=0.0), "bore: given 0 m"),
-        (lambda: cylinder(crank=math.inf), "crank_angle_deg: given inf"),
-        (lambda: SlavePin(1.0, 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
-        (lambda: SlavePin("1", 0.06, angle_deg=math.degrees(0.7)), "slave pin main_cylinder:"),
-        (lambda: SlavePin(1, 0.0, angle_deg=math.degrees(0.7)), "slave pin radius: given 0 m"),
-        (lambda: RotatingMass(-0.1, angle_deg=0.0), "static_moment: given -0.1 kg m; .*mass"),
-        (lambda: RotatingMass(0.1, angle_deg=math.nan), "angle_deg: given nan"),
-    ],
-)
-def test_impossible_parts_are_refused(make, words):
-    with pytest.raises(InputError, match=words):
-        make()
-
-
-def test_a_rod_is_a_rod():
-    with pytest.raises(InputError, match="rod: given 'rod'; allowed is a ConnectingRod"):
-        EngineCylinder(0.1, 1.0, "rod")
 
 
 @pytest.mark.parametrize(("strokes", "total"), [(2, 2.0), (4, 4.0)])
@@ -247,5 +223,16 @@ def test_firing_intervals_are_one_cycle_together(strokes, total):
 def test_a_firing_order_may_be_text():
     engine = EngineLayout(0.07, in_line(0, 180, 180, 0), "1-3-4-2")
     assert engine == EngineLayout(0.07, in_line(0, 180, 180, 0), [1, 3, 4, 2])
-    with pytest.raises(InputError, match="firing_order: given '1;3;4;2'; allowed are cylinder"):
-        EngineLayout(0.07, in_line(0, 180, 180, 0), "1;3;4;2")
+
+
+test_refused = refusals(
+    ("bore", lambda: cylinder(bore=0.0)),
+    ("crank_angle_deg", lambda: cylinder(crank=math.inf)),
+    ("slave pin main_cylinder", lambda: SlavePin(1.0, 0.06, angle_deg=math.degrees(0.7))),
+    ("slave pin main_cylinder", lambda: SlavePin("1", 0.06, angle_deg=math.degrees(0.7))),
+    ("slave pin radius", lambda: SlavePin(1, 0.0, angle_deg=math.degrees(0.7))),
+    ("static_moment", lambda: RotatingMass(-0.1, angle_deg=0.0)),
+    ("angle_deg", lambda: RotatingMass(0.1, angle_deg=math.nan)),
+    ("rod", lambda: EngineCylinder(0.1, 1.0, "rod")),
+    ("firing_order", lambda: EngineLayout(0.07, in_line(0, 180, 180, 0), "1;3;4;2")),
+)

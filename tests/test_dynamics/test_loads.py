@@ -11,6 +11,7 @@ from dynamics.engine.forces import LoadDiagram, crankpin_loads, main_bearing_loa
 from dynamics.engine.layout import EngineCylinder, EngineLayout, RotatingMass, SlavePin
 from dynamics.engine.rods import ConnectingRod
 from dynamics.excitation.chain_excitation import axial_force_over_cycle
+from refusals import refusals_of, refused
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009)
 ANGLES = np.radians(np.arange(0.0, 720.0, 10.0))
@@ -125,23 +126,23 @@ def test_cylinders_in_the_same_place_have_no_bearing_loads():
     engine = EngineLayout(
         0.07, [cylinder(position=0.1), cylinder(crank=180.0, position=0.1)], [1, 2]
     )
-    with pytest.raises(InputError, match=r"cylinder 2: position: given 0\.1 m, where cylinder 1"):
+    with refused("position"):
         main_bearing_loads(forces_of(engine), BEARINGS)
 
 
 @pytest.mark.parametrize(
-    ("motion", "words"),
+    ("motion", "field"),
     [
-        ({"speed": np.ones(3)}, r"speed: given an array of shape \(3,\); .*\(72,\), because"),
-        ({"speed": math.nan}, "speed: given nan"),
-        ({"crank_acceleration": math.inf}, "crank_acceleration: given inf"),
-        ({"crank_acceleration": np.ones((2, 72))}, r"crank_acceleration: .*shape \(2, 72\)"),
+        ({"speed": np.ones(3)}, "speed"),
+        ({"speed": math.nan}, "speed"),
+        ({"crank_acceleration": math.inf}, "crank_acceleration"),
+        ({"crank_acceleration": np.ones((2, 72))}, "crank_acceleration"),
     ],
 )
-def test_a_motion_that_does_not_fit_is_refused(motion, words):
+def test_a_motion_that_does_not_fit_is_refused(motion, field):
     engine = twin(RotatingMass(0.3, angle_deg=math.degrees(2.0), position=0.0))
     given = {"speed": SPEED} | motion
-    with pytest.raises(InputError, match=words):
+    with refused(field):
         mechanism_forces(engine, shaft_angles_deg=DEGREES, **given)
 
 
@@ -162,27 +163,22 @@ def test_angles_that_are_not_one_cycle_are_refused(angles, words):
             loads(forces)
 
 
-@pytest.mark.parametrize(
-    ("bearings", "rotating", "words"),
-    [
-        ([0.0], (), r"bearing_positions: given \[0.0\] m; allowed are two or more ascending"),
-        ([0.0, 0.3, 0.3], (), "ascending"),
-        ([0.3, 0.0], (), "ascending"),
-        ([0.1, 0.3], (), "cylinder 1: position: given 0.06 m; allowed is 0.1 to 0.3 m"),
-        ([0.0, 0.2], (), "cylinder 2: position: given 0.24 m"),
-        (BEARINGS, (RotatingMass(0.1, angle_deg=0.0, position=0.4),), "rotating mass 1:"),
-    ],
+test_bearings_that_do_not_hold_the_shaft_are_refused = refusals_of(
+    lambda bearings, rotating: main_bearing_loads(forces_of(twin(*rotating)), bearings),
+    ([0.0], (), "bearing_positions"),
+    ([0.0, 0.3, 0.3], (), "bearing_positions"),
+    ([0.3, 0.0], (), "bearing_positions"),
+    ([0.1, 0.3], (), "position"),
+    ([0.0, 0.2], (), "position"),
+    (BEARINGS, (RotatingMass(0.1, angle_deg=0.0, position=0.4),), "position"),
 )
-def test_bearings_that_do_not_hold_the_shaft_are_refused(bearings, rotating, words):
-    with pytest.raises(InputError, match=words):
-        main_bearing_loads(forces_of(twin(*rotating)), bearings)
 
 
 def test_bearings_without_size_are_refused():
     load = LoadDiagram("pin", DEGREES, ANGLES.astype(complex), 0.0)
-    with pytest.raises(InputError, match="bearing diameter: given 0 m"):
+    with refused("bearing diameter"):
         load.specific_pressure(0.0, 0.05)
-    with pytest.raises(InputError, match="bearing length: given -1 m"):
+    with refused("bearing length"):
         load.specific_pressure(0.1, -1.0)
 
 
@@ -197,7 +193,7 @@ def test_two_throws_by_hand():
     assert found.held == close([250.0, 500.0])
     assert found.thrust_bearing is None
     assert list(found.columns()) == ["shaft_angle_deg", "held_N", "throw_1_N", "throw_2_N"]
-    with pytest.raises(InputError, match=r"pin_forces: given an array of shape \(1, 2, 2\)"):
+    with refused("pin_forces"):
         axial_force_over_cycle(
             10.0, forces[:1], [1e-9, 3e-9], influence, shaft_angles_deg=[0.0, 57.0]
         )

@@ -9,7 +9,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from comparing import close
-from crankbase.errors import InputError
 from dynamics.engine import ROD_MODELS
 from dynamics.engine.forces import (
     cylinder_motion,
@@ -20,8 +19,9 @@ from dynamics.engine.forces import (
     summed,
 )
 from dynamics.engine.layout import EngineCylinder, EngineLayout, SlavePin
-from dynamics.engine.rods import ConnectingRod, SliderCrank, crankpin_motion
+from dynamics.engine.rods import ConnectingRod, SliderCrank
 from parts_in_a_line import cylinder as made_cylinder
+from refusals import refusals, refusals_of, refused
 
 STEP = 1e-3
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 13)
@@ -85,47 +85,23 @@ def test_the_rod_keeps_its_length_and_the_piston_its_line(drive):
     )
 
 
-def test_signs_of_a_quarter_turn():
-    """The crankpin moves to +n at the top; the rod then leans back, so its turning is negative."""
-    drive = SliderCrank(0.07, 0.265)
-    quarter = np.array([0.5 * math.pi])
-    assert drive.crankpin(angle_deg=np.degrees([0.0])).first[0] == close(0.07j)
-    assert drive.crankpin(angle_deg=np.degrees(quarter)).place[0] == close(0.07j)
-    assert drive.rod(angle_deg=np.degrees(quarter)).angle_rad[0] == close(-math.asin(0.07 / 0.265))
-    assert drive.rod_point(0.1, 0.02, angle_deg=np.degrees([0.0])).place[0] == close(0.17 + 0.02j)
-
-
-def test_turned_by_a_right_angle_along_becomes_across():
-    motion = crankpin_motion(0.07, ANGLES).turned(angle_deg=math.degrees(0.5 * math.pi))
-    later = crankpin_motion(0.07, ANGLES + 0.5 * math.pi)
-    for name in ("place", "first", "second"):
-        np.testing.assert_allclose(
-            getattr(motion, name), getattr(later, name), rtol=0.0, atol=1e-16
-        )
-
-
-@pytest.mark.parametrize(
-    ("sizes", "words"),
-    [
-        ((0.0, 0.265), "crank_radius: given 0 m; .*more than zero"),
-        ((0.07, -0.265), "rod_length: given -0.265 m; .*more than zero"),
-        ((0.07, math.nan), "rod_length: given nan m"),
-        ((0.265, 0.265), "crank_radius: given 0.265 m .* less than rod length minus offset"),
-        ((0.07, 0.1, 0.03), "pin offset of 0.03 m; .*minus offset, 0.07 m, because the crank must"),
-        ((0.07, 0.1, -0.03), "pin offset of 0.03 m; .*minus offset, 0.07 m"),
-        ((0.07, 0.1, math.inf), "pin_offset: given inf"),
-    ],
+test_cranks_that_do_not_turn_are_refused = refusals_of(
+    lambda sizes: SliderCrank(*sizes),
+    ((0.0, 0.265), "crank_radius"),
+    ((0.07, -0.265), "rod_length"),
+    ((0.07, math.nan), "rod_length"),
+    ((0.265, 0.265), "crank_radius"),
+    ((0.07, 0.1, 0.03), "crank_radius"),
+    ((0.07, 0.1, -0.03), "crank_radius"),
+    ((0.07, 0.1, math.inf), "pin_offset"),
 )
-def test_cranks_that_do_not_turn_are_refused(sizes, words):
-    with pytest.raises(InputError, match=words):
-        SliderCrank(*sizes)
 
 
 def test_angles_that_are_not_numbers_are_refused():
     drive = SliderCrank(0.07, 0.265)
-    with pytest.raises(InputError, match=r"angle_deg\[1\]: given nan"):
+    with refused("angle_deg[1]"):
         drive.piston(angle_deg=np.degrees([0.0, math.nan]))
-    with pytest.raises(InputError, match="along, across"):
+    with refused("along, across[0]"):
         drive.rod_point(math.nan, angle_deg=np.degrees([0.0]))
 
 
@@ -367,7 +343,7 @@ def test_kinetic_energy_is_that_of_all_masses(engine):
 def test_forces_are_those_at_an_angle():
     rod = ConnectingRod(0.2, 1.0, 0.07, 0.006)
     engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
-    with pytest.raises(InputError, match="shaft_angles_deg: given none"):
+    with refused("shaft_angles_deg"):
         mechanism_forces(engine, 10.0, shaft_angles_deg=np.degrees([]))
 
 
@@ -431,11 +407,6 @@ def test_without_offset_the_three_mass_model_is_the_rigid_rod(rod):
     assert model.inertia == close(rigid.inertia, rel=1e-12)
 
 
-def test_two_masses_with_the_inertia_they_have_lack_none():
-    rod = ConnectingRod(0.265, 5.0, 0.097, 5.0 * 0.097 * 0.168)
-    assert rod.model("two-mass with inertia").added_inertia == close(0.0, abs=1e-15)
-
-
 @settings(max_examples=30, deadline=None)
 @given(st.lists(st.tuples(unit, unit, unit), min_size=1, max_size=6))
 def test_no_body_within_reach_is_refused_for_its_inertia(parts):
@@ -453,29 +424,19 @@ def test_no_body_within_reach_is_refused_for_its_inertia(parts):
 GOOD = {"length": 0.265, "mass": 5.0, "center_distance": 0.097, "inertia": 0.07}
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"mass": -5.0}, "rod mass: given -5 kg; .*because it is a mass"),
-        ({"inertia": -0.1}, "rod inertia: given -0.1 kg m\\^2"),
-        ({"inertia": 5.0}, "rod inertia: given 5 kg m\\^2; allowed is 0.*or less, because no mass"),
-        ({"center_distance": 0.0}, "rod center_distance: given 0 m; .*between the pins"),
-        ({"center_distance": 0.265}, "rod center_distance: given 0.265 m; .*length of 0.265 m"),
-        ({"center_distance": -0.01}, "rod center_distance: given -0.01 m"),
-        ({"center_offset": 0.14}, "rod center_offset: given 0.14 m; .*within the rod"),
-        ({"center_offset": -0.14}, "rod center_offset: given -0.14 m"),
-        ({"center_offset": math.nan}, "rod center_offset: given nan"),
-        ({"mass": "5"}, "rod mass: given '5'"),
-    ],
+test_impossible_rods_are_refused = refusals_of(
+    lambda change: ConnectingRod(**{**GOOD, **change}),
+    ({"mass": -5.0}, "rod mass"),
+    ({"inertia": -0.1}, "rod inertia"),
+    ({"inertia": 5.0}, "rod inertia"),
+    ({"center_distance": 0.0}, "rod center_distance"),
+    ({"center_distance": 0.265}, "rod center_distance"),
+    ({"center_distance": -0.01}, "rod center_distance"),
+    ({"center_offset": 0.14}, "rod center_offset"),
+    ({"center_offset": -0.14}, "rod center_offset"),
+    ({"center_offset": math.nan}, "rod center_offset"),
+    ({"mass": "5"}, "rod mass"),
 )
-def test_impossible_rods_are_refused(change, words):
-    with pytest.raises(InputError, match=words):
-        ConnectingRod(**{**GOOD, **change})
-
-
-def test_models_that_are_not_known_are_refused():
-    with pytest.raises(InputError, match="rod model: given 'four-mass'; allowed are rigid"):
-        ConnectingRod(**GOOD).model("four-mass")
 
 
 ROD_ANGLES = np.linspace(0.0, 4.0 * math.pi, 24, endpoint=False)
@@ -515,17 +476,6 @@ def test_without_lateral_offset_three_masses_are_the_rigid_rod_and_two_are_not()
     assert pin / largest(rigid.crankpin) == close(0.0084, abs=5e-5)
 
 
-def test_with_lateral_offset_only_the_rigid_rod_is_the_rigid_rod():
-    engine = single(ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009))
-    found = {
-        name: mechanism_forces(engine, SPEED, model=name, shaft_angles_deg=ROD_DEG)
-        for name in ROD_MODELS
-    }
-    size = largest(found["rigid"].crankpin)
-    for name in ROD_MODELS[1:]:
-        assert largest(found[name].crankpin - found["rigid"].crankpin) > 0.01 * size
-
-
 def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
     class Rising:
         strokes = 4
@@ -545,24 +495,29 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
     np.testing.assert_allclose(
         found[1], area * (1e4 + 1e4 * (3.0 * math.pi + np.array([0.0, 0.5]))), rtol=1e-12
     )
-    with pytest.raises(InputError, match="pressure: given 1 for 2 cylinders"):
+    with refused("pressure"):
         gas_forces(engine, [Rising()], shaft_angles_deg=np.degrees([0.0]))
     two_stroke = Rising()
     two_stroke.strokes = 2
-    with pytest.raises(InputError, match="pressure: given a cycle of 2 strokes; allowed is 4"):
+    with refused("pressure"):
         gas_forces(engine, [Rising(), two_stroke], shaft_angles_deg=np.degrees([0.0]))
 
 
 @pytest.mark.parametrize(
-    ("more", "words"),
+    ("more", "field"),
     [
-        ({"gas": np.zeros((3, 24))}, r"gas: given an array of shape \(3, 24\); .*fits \(1, 24\)"),
-        ({"friction": np.zeros(5)}, r"friction: given an array of shape \(5,\)"),
-        ({"gas": math.nan}, "gas: given nan"),
-        ({"model": "stiff"}, "rod model: given 'stiff'"),
+        ({"gas": np.zeros((3, 24))}, "gas"),
+        ({"friction": np.zeros(5)}, "friction"),
+        ({"gas": math.nan}, "gas"),
+        ({"model": "stiff"}, "rod model"),
     ],
 )
-def test_what_does_not_fit_is_refused(more, words):
+def test_what_does_not_fit_is_refused(more, field):
     engine = single(ConnectingRod(0.265, 5.0, 0.097, 0.069))
-    with pytest.raises(InputError, match=words):
+    with refused(field):
         mechanism_forces(engine, SPEED, shaft_angles_deg=ROD_DEG, **more)
+
+
+test_refused = refusals(
+    ("rod model", lambda: ConnectingRod(**GOOD).model("four-mass")),
+)

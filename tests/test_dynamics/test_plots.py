@@ -2,6 +2,7 @@
 
 import math
 from functools import cache, partial
+from operator import attrgetter
 from types import SimpleNamespace
 
 import numpy as np
@@ -50,6 +51,7 @@ from dynamics.transient.propagator import SpeedCurve
 from dynamics.transient.turning_run import TurningCycle, TurningRun
 from dynamics.turning.free_turning import FreeTurning, WorkShare
 from dynamics.turning.speed_over_angle import SpeedOverAngle
+from refusals import refusals, refused
 from satellite_cases import of_satellites
 
 RPM = 30.0 / math.pi
@@ -278,6 +280,30 @@ def cycle():
     return GasCycleResult(gas(), None, volume, 1e3, 4e2, 8e5, 1e5)
 
 
+def torque_table():
+    return TorqueTable(np.arange(0.0, 720.0, 90.0), rising(8), "", 4)
+
+
+def star():
+    return Star(1.0, np.array([0.0, 2.0]), np.ones(2))
+
+
+def balanced():
+    return balance(engine(), 100.0)
+
+
+def hodograph():
+    return Hodograph(1, 100.0, 20.0)
+
+
+def response_match():
+    return ResponseMatch("axial", SPEEDS, rising(5), 2.0 * rising(5))
+
+
+def six_samples():
+    return harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4)
+
+
 def closed(values):
     return np.append(values, values[0])
 
@@ -293,9 +319,8 @@ def axial_cycle():
     )
 
 
-def over_cycle(angles, values):
+def over_cycle(degrees, values):
     """Degrees and values with the closing sample, which the object leaves out."""
-    degrees = np.degrees(angles)
     return np.append(degrees, degrees[-1] + degrees[1] - degrees[0]), closed(values)
 
 
@@ -361,9 +386,7 @@ CASES = {
         pressures,
         {},
         lambda o: {
-            "954.9 1/min": over_cycle(
-                np.radians(o.diagrams[1].angles_deg), 1e-6 * o.diagrams[1].pressure
-            )
+            "954.9 1/min": over_cycle(o.diagrams[1].angles_deg, 1e-6 * o.diagrams[1].pressure)
         },
     ),
     "PressureMap, at": (pressures, {"speed": 100.0, "load": 0.75}, None),
@@ -378,12 +401,12 @@ CASES = {
         },
     ),
     "Harmonics": (
-        lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
+        six_samples,
         {"unit": "N m", "highest_order": 1.0},
         None,
     ),
     "Harmonics, curves": (
-        lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
+        six_samples,
         {"unit": "N m", "show": "curves", "highest_order": 1.0},
         lambda o: {
             f"order 0.5: {o.amplitude[0]:.3f} N m, {np.degrees(o.phase[0]):.1f} deg": (
@@ -394,21 +417,21 @@ CASES = {
     ),
     "PinForceHarmonics": (pin_harmonics, {"highest_order": 2.0}, None),
     "TorqueTable": (
-        lambda: TorqueTable(np.arange(0.0, 720.0, 90.0), rising(8), "", 4),
+        torque_table,
         {},
         lambda o: {"table": (o.crank_angle_deg, o.torque)},
     ),
     "EngineTorque": (
         torque,
         {},
-        lambda o: {"engine": over_cycle(np.radians(o.shaft_angles_deg), 1e-3 * o.total)},
+        lambda o: {"engine": over_cycle(o.shaft_angles_deg, 1e-3 * o.total)},
     ),
     "EngineTorque, throw": (
         torque,
         {"throw": 2},
-        lambda o: {"both": over_cycle(np.radians(o.shaft_angles_deg), 1e-3 * o.per_throw[1])},
+        lambda o: {"both": over_cycle(o.shaft_angles_deg, 1e-3 * o.per_throw[1])},
     ),
-    "Star": (lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)), {}, None),
+    "Star": (star, {}, None),
     "MechanismForces": (forces, {}, lambda o: {"tangential, T": (DEGREES, 1e-3 * o.tangential[0])}),
     "LoadDiagram": (load_diagram, {}, lambda o: {None: (closed(DEGREES)[:-1], 1e-3 * o.magnitude)}),
     "LoadDiagram, polar": (
@@ -417,12 +440,12 @@ CASES = {
         lambda _: {"pin": (closed(np.full(24, 4.0)), closed(np.full(24, 3.0)))},
     ),
     "Balance": (
-        lambda: balance(engine(), 100.0),
+        balanced,
         {"show": "moment"},
         lambda o: {"order 1": tuple(np.array([-1e-3, 1e-3])[:, None] * o.of(1).moment.points(361))},
     ),
     "Hodograph": (
-        lambda: Hodograph(1, 100.0, 20.0),
+        hodograph,
         {},
         lambda o: {"order 1": tuple(np.array([-1e-3, 1e-3])[:, None] * o.points(361))},
     ),
@@ -430,7 +453,7 @@ CASES = {
     "GasPressure": (
         gas,
         {},
-        lambda o: {"pressure": over_cycle(np.radians(o.angles_deg), 1e-6 * o.pressure)},
+        lambda o: {"pressure": over_cycle(o.angles_deg, 1e-6 * o.pressure)},
     ),
     "GasCycleResult": (
         cycle,
@@ -446,7 +469,7 @@ CASES = {
     "SteadyMotion": (
         steady,
         {"place": 1, "quantity": "force"},
-        lambda o: {"crank - flywheel": over_cycle(ANGLES, 1e-3 * o.torque[:, 1])},
+        lambda o: {"crank - flywheel": over_cycle(DEGREES, 1e-3 * o.torque[:, 1])},
     ),
     "TransientMotion": (
         run,
@@ -475,7 +498,7 @@ CASES = {
     "TurningCycle": (
         turning_cycle,
         {"quantity": "twist"},
-        lambda o: {"pulley": over_cycle(ANGLES, 1e3 * o.motion[:, 0])},
+        lambda o: {"pulley": over_cycle(DEGREES, 1e3 * o.motion[:, 0])},
     ),
     "SpeedCurve": (
         lambda: SpeedCurve([0.0, 1.0], [50.0, 150.0]),
@@ -507,7 +530,7 @@ CASES = {
         lambda o: {"all forces": (rpm_of(o), 1e6 * o.both_sum)},
     ),
     "ResponseMatch": (
-        lambda: ResponseMatch("axial", SPEEDS, rising(5), 2.0 * rising(5)),
+        response_match,
         {},
         lambda o: {"chain": (rpm_of(o), 1e6 * o.chain)},
     ),
@@ -606,7 +629,7 @@ def test_a_pressure_map_draws_one_load():
     many = pressure_map([(speed, 1.0, gas()) for speed in speeds], method="linear")
     axes = many.plot(Figure().subplots())
     assert len({tuple(line.get_color()) for line in axes.lines}) == len(speeds)
-    with pytest.raises(InputError, match=r"^load: given 0.7 without a speed; allowed are 0.5, 1,"):
+    with refused("load"):
         found.plot(load=0.7)
 
 
@@ -652,8 +675,8 @@ WRONG = {
     "FreeTurning": (free_turning, {"show": ["heat"]}),
     "SizedDamper": (sized, {"show": ["time"]}),
     "Modes": (modes, {"count": [0]}),
-    "Balance": (lambda: balance(engine(), 100.0), {"show": ["torque", 3, None]}),
-    "Hodograph": (lambda: Hodograph(1, 100.0, 20.0), {"quantity": ["torque", 3, None]}),
+    "Balance": (balanced, {"show": ["torque", 3, None]}),
+    "Hodograph": (hodograph, {"quantity": ["torque", 3, None]}),
     "CoupledResponse": (coupled, {"point": ["x", 3]}),
     "LoadDiagram": (load_diagram, {"mark_step_deg": [0, NAN, "a"], "frame": [3, "world"]}),
     "ShaftModes": (shaft_modes, {"radius": [None, "a", -0.1], "mode": [1, 3]}),
@@ -671,7 +694,7 @@ def test_wrong_options_are_refused_before_anything_is_drawn(monkeypatch):
     for make, wrong in WRONG.values():
         for option, values in wrong.items():
             for value in values:
-                with pytest.raises(InputError, match=r"^[^;]*: given .*; allowed .*, because"):
+                with pytest.raises(InputError, match=r"^[^;]*: given .*; allowed .*"):
                     make().plot(**{option: value})
 
 
@@ -683,98 +706,91 @@ def test_a_campbell_diagram_refuses_what_has_no_place_in_it():
         "speed_range": ((150.0, 50.0), (NAN, 50.0), (1.0, 2.0, 3.0), "ab"),
     }.items():
         for value in values:
-            with pytest.raises(InputError, match=r"; allowed .*, because .*\.$"):
+            with pytest.raises(InputError, match=r"; allowed .*"):
                 campbell_diagram(**(good | {option: value}), axes=Figure().subplots())
 
 
 def test_tables_refuse_wrong_options():
-    with pytest.raises(InputError, match=r"^count: given -1; allowed"):
-        Hodograph(1, 100.0, 20.0).to_pandas(count=-1)
     for found in (run(), steady()):
-        with pytest.raises(InputError, match=r"^quantity: given 'noise'; allowed"):
+        with refused("quantity"):
             found.to_xarray("noise")
 
 
-# Of each table: the object, and some columns with their values and units.
+# Of each table: the object, and some columns with their unit and values: a part of the object, or numbers.
 TABLES = {
-    "Modes": (modes, lambda o: {"frequency": (o.frequencies, "Hz")}),
+    "Modes": (modes, {"frequency": ("Hz", "frequencies")}),
     "Decision": (
         lambda: decide("fine", [Trial("a.field", "strength", 4e8, "Pa", "fine")]),
-        lambda o: {"value": ([one.value for one in o.trials], "Pa")},
+        {"value": ("Pa", [4e8])},
     ),
     "PeakCause": (
         lambda: peak_cause(response(), response().nodes, 0, 0),
-        lambda o: {"contribution": ([one.contribution for one in o.parts], "rad or m")},
+        {"contribution": ("rad or m", lambda o: [one.contribution for one in o.parts])},
     ),
     "ComplexModes": (
         lambda: complex_modes(response()),
-        lambda o: {"frequency": (o.frequencies, "Hz"), "damping_ratio": (o.damping_ratios, "1")},
+        {"frequency": ("Hz", "frequencies"), "damping_ratio": ("1", "damping_ratios")},
     ),
     "AxialForceOverCycle": (
         axial_cycle,
-        lambda o: {"held": (o.held, "N"), "throw_2": (o.throws[:, 1], "N")},
+        {"held": ("N", "held"), "throw_2": ("N", lambda o: o.throws[:, 1])},
     ),
     "Harmonics": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0], 4),
-        lambda o: {"order": (o.orders, "1"), "amplitude": (o.amplitude, "unit of the samples")},
+        {"order": ("1", "orders"), "amplitude": ("unit of the samples", "amplitude")},
     ),
     "PinForceHarmonics": (
         pin_harmonics,
-        lambda o: {"radial_inertia_phase": (o.radial_inertia.phase, "rad")},
+        {"radial_inertia_phase": ("rad", "radial_inertia.phase")},
     ),
-    "TorqueTable": (
-        lambda: TorqueTable(np.arange(0.0, 720.0, 90.0), rising(8), "", 4),
-        lambda o: {"crank_angle": (o.crank_angle_deg, "deg")},
-    ),
-    "Star": (
-        lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)),
-        lambda o: {"direction": (o.directions_deg, "deg")},
-    ),
+    "TorqueTable": (torque_table, {"crank_angle": ("deg", "crank_angle_deg")}),
+    "Star": (star, {"direction": ("deg", "directions_deg")}),
     "LoadDiagram": (
         load_diagram,
-        lambda o: {"radial": (np.full(24, -3e3), "N"), "force_y": (o.force.real, "N")},
+        {"radial": ("N", np.full(24, -3e3)), "force_y": ("N", "force.real")},
     ),
     "Balance": (
-        lambda: balance(engine(), 100.0),
-        lambda o: {"moment_major": ([row.moment.major for row in o.rows], "N m")},
+        balanced,
+        {"moment_major": ("N m", lambda o: [row.moment.major for row in o.rows])},
     ),
     "Hodograph": (
-        lambda: Hodograph(1, 100.0, 20.0),
-        lambda o: {"y": (o.points(181)[1], "N"), "x": (o.points(181)[0], "N")},
+        hodograph,
+        {name: ("N", lambda o, n=n: o.points(181)[n]) for n, name in enumerate("xy")},
     ),
-    "HingedRodEffects": (effects, lambda _: {"major": ([1.2e3, 2.4e3, 3.6e3, 4.8e3], "N")}),
-    "GasPressure": (gas, lambda o: {"pressure": (o.pressure, "Pa")}),
+    "HingedRodEffects": (effects, {"major": ("N", [1.2e3, 2.4e3, 3.6e3, 4.8e3])}),
+    "GasPressure": (gas, {"pressure": ("Pa", "pressure")}),
     "GasCycleResult": (
         cycle,
-        lambda o: {"volume": (o.volume.at(angle_deg=o.pressure.angles_deg), "m^3")},
+        {"volume": ("m^3", lambda o: o.volume.at(angle_deg=o.pressure.angles_deg))},
     ),
-    "FreeTurning": (free_turning, lambda o: {"load_moment": (o.load.moment, "N m")}),
-    "SpeedOverAngle": (turning, lambda o: {"kinetic_energy": (o.energy, "J")}),
-    "ShaftModes": (shaft_modes, lambda o: {"torsional": (o.shares[1], "1")}),
-    "ResponseMatch": (
-        lambda: ResponseMatch("axial", SPEEDS, rising(5), 2.0 * rising(5)),
-        lambda o: {"shaft": (o.shaft, "m")},
-    ),
+    "FreeTurning": (free_turning, {"load_moment": ("N m", "load.moment")}),
+    "SpeedOverAngle": (turning, {"kinetic_energy": ("J", "energy")}),
+    "ShaftModes": (shaft_modes, {"torsional": ("1", lambda o: o.shares[1])}),
+    "ResponseMatch": (response_match, {"shaft": ("m", "shaft")}),
     "ChainVerdict": (
         lambda: ChainVerdict((ModeMatch("axial", 1, 50.0, 9, 51.0, 0.9, 0.99, 1, 6),)),
-        lambda _: {
-            "mode": ([1], "1"),
-            "shaft_mode": ([4], "1"),
-            "chain_frequency": ([50.0], "Hz"),
-            "difference": ([50.0 / 51.0 - 1.0], "1"),
+        {
+            "mode": ("1", [1]),
+            "shaft_mode": ("1", [4]),
+            "chain_frequency": ("Hz", [50.0]),
+            "difference": ("1", [50.0 / 51.0 - 1.0]),
         },
     ),
     "LimitCheck": (
         lambda: verdict().checks[0],
-        lambda o: {"used": (o.curve.values / 40e6, "1"), "permitted": ([40e6] * 5, "Pa")},
+        {"used": ("1", lambda o: o.curve.values / 40e6), "permitted": ("Pa", [40e6] * 5)},
     ),
-    "Verdict": (
-        verdict,
-        lambda _: {"worst_speed": ([100.0, 100.0], "rad/s"), "used": ([1.25, 0.25], "1")},
-    ),
-    "SizedDamper": (sized, lambda o: {"size": (o.sizes, "kg m^2")}),
+    "Verdict": (verdict, {"worst_speed": ("rad/s", [100.0, 100.0]), "used": ("1", [1.25, 0.25])}),
+    "SizedDamper": (sized, {"size": ("kg m^2", "sizes")}),
     **of_satellites("TABLES"),
 }
+
+
+def part_of(found, source):
+    """Part of an object by its name, by a function of it, or known numbers."""
+    if isinstance(source, str):
+        return attrgetter(source)(found)
+    return source(found) if callable(source) else source
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -783,69 +799,42 @@ def test_tables_hold_the_numbers_in_si(name):
     found = make()
     frame = found.to_pandas()
     assert set(frame.attrs["units"]) == set(frame.columns)
-    for column, (values, unit) in expected(found).items():
-        np.testing.assert_allclose(frame[column], values, rtol=1e-12, atol=1e-9)
+    for column, (unit, source) in expected.items():
+        np.testing.assert_allclose(frame[column], part_of(found, source), rtol=1e-12, atol=1e-9)
         assert frame.attrs["units"][column] == unit
 
 
-# Of each grid: the object, and some arrays with their dimensions, values and units.
+# Of each grid: the object, and some arrays with their dimensions, unit and values: the object's if none are.
 GRIDS = {
-    "Modes": (modes, lambda o: {"shapes": (("node", "mode"), o.shapes, "1")}),
-    "OrderSeries": (
-        lambda: response().nodes,
-        lambda o: {"values": (("order", "speed", "place"), o.values, "SI")},
-    ),
-    "ForcedResponse": (
-        response,
-        lambda o: {"motion": (("order", "speed", "node"), o.motion, "rad or m")},
-    ),
-    "PowerBalance": (
-        lambda: power_balance(response()),
-        lambda o: {"rest": (("order", "speed"), o.rest, "W")},
-    ),
+    "Modes": (modes, {"shapes": ("node mode", "1")}),
+    "OrderSeries": (lambda: response().nodes, {"values": ("order speed place", "SI")}),
+    "ForcedResponse": (response, {"motion": ("order speed node", "rad or m")}),
+    "PowerBalance": (lambda: power_balance(response()), {"rest": ("order speed", "W")}),
     "OrderExcitation": (
         lambda: response().excitation,
-        lambda o: {"forces": (("order", "speed", "node"), o.forces, "N m or N")},
+        {"forces": ("order speed node", "N m or N")},
     ),
     "CylinderForces": (
         cylinder_forces,
-        lambda o: {
-            "radial": (("order", "speed", "cylinder"), o.radial, "N"),
-            "mean_radial": (("speed", "cylinder"), o.mean_radial, "N"),
-        },
+        {"radial": ("order speed cylinder", "N"), "mean_radial": ("speed cylinder", "N")},
     ),
     "EngineTorque": (
         torque,
-        lambda o: {
-            "gas": (("cylinder", "shaft_angle"), o.gas, "N m"),
-            "total": (("shaft_angle",), o.total, "N m"),
-        },
+        {"gas": ("cylinder shaft_angle", "N m"), "total": ("shaft_angle", "N m")},
     ),
-    "MechanismForces": (
-        forces,
-        lambda o: {"crankpin": (("cylinder", "shaft_angle"), o.crankpin, "N")},
-    ),
-    "SteadyMotion": (steady, lambda o: {"motion": (("shaft_angle", "node"), o.motion, "rad or m")}),
-    "TransientMotion": (run, lambda o: {"torque": (("time", "element"), o.torque, "N m or N")}),
-    "TurningRun": (turning_run, lambda o: {"strain_energy": (("time",), o.strain_energy, "J")}),
-    "TurningCycle": (
-        turning_cycle,
-        lambda o: {"speed": (("shaft_angle", "node"), o.speed, "rad/s")},
-    ),
+    "MechanismForces": (forces, {"crankpin": ("cylinder shaft_angle", "N")}),
+    "SteadyMotion": (steady, {"motion": ("shaft_angle node", "rad or m")}),
+    "TransientMotion": (run, {"torque": ("time element", "N m or N")}),
+    "TurningRun": (turning_run, {"strain_energy": ("time", "J")}),
+    "TurningCycle": (turning_cycle, {"speed": ("shaft_angle node", "rad/s")}),
     "ShaftModes": (
         shaft_modes,
-        lambda o: {"rotation": (("station", "axis", "mode"), o.motions[:, 3:], "rad")},
+        {"rotation": ("station axis mode", "rad", lambda o: o.motions[:, 3:])},
     ),
-    "CoupledResponse": (
-        coupled,
-        lambda o: {"radial": (("order", "speed", "point"), o.radial.motion, "m or rad")},
-    ),
+    "CoupledResponse": (coupled, {"radial": ("order speed point", "m or rad", "radial.motion")}),
     "SplitMotion": (
         lambda: coupled().split("damper ring"),
-        lambda o: {
-            "both": (("order", "speed"), o.both, "rad"),
-            "both_sum": (("speed",), o.both_sum, "rad"),
-        },
+        {"both": ("order speed", "rad"), "both_sum": ("speed", "rad")},
     ),
 }
 
@@ -870,9 +859,9 @@ def test_grids_hold_the_numbers_over_named_coordinates(name):
     for array in (*grid.data_vars.values(), *grid.coords.values()):
         assert {"units", "long_name"} <= set(array.attrs)
         assert not any(np.shares_memory(array.values, own) for own in arrays_of(found))
-    for variable, (dimensions, values, unit) in expected(found).items():
-        array = grid[variable]
-        assert array.dims == dimensions
+    for variable, (dimensions, unit, *source) in expected.items():
+        array, values = grid[variable], part_of(found, *(source or [variable]))
+        assert array.dims == (*dimensions.split(),)
         assert array.dtype == np.asarray(values).dtype
         np.testing.assert_allclose(array, values, rtol=1e-15)
         assert array.attrs["units"] == unit
@@ -974,3 +963,8 @@ def test_orders_of_a_campbell_diagram_are_labeled_where_there_is_room():
     left, right = frame.ends
     along = sorted(frame.line_end(order)[0] for order in labeled if frame.line_end(order)[2])
     assert min(np.diff(along)) >= LABEL_ROOM * (right - left) * (1.0 - 1e-12)
+
+
+test_refused_calls = refusals(
+    ("count", lambda: Hodograph(1, 100.0, 20.0).to_pandas(count=-1)),
+)

@@ -47,6 +47,7 @@ from dynamics.strength.fatigue import (
     strength_near_end,
 )
 from dynamics.strength.shrink_fit import ShrinkFit
+from refusals import refusals, refusals_of, refused
 
 USUAL = {
     "overlap": 0.15,
@@ -118,22 +119,17 @@ def test_factors_are_continuous_and_do_not_depend_on_the_size():
             assert values(near) == close(before, 3e-6, 1e-6), name
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "allowed"),
-    [
-        ("overlap", 0.55, r"overlap over pin_diameter \(s\): given 0.55; allowed is up to 0.5,"),
-        ("web_thickness", 0.15, r"web_thickness over pin_diameter \(w\): given 0.15; allowed is"),
-        ("web_width", 2.3, r"web_width over pin_diameter \(b\): given 2.3; allowed is 1.1 to 2.2"),
-        ("pin_fillet_radius", 0.02, r"pin_fillet_radius over pin_diameter \(r\): given 0.02"),
-        ("journal_fillet_radius", 0.031, r"over journal_diameter \(r\): given 0.02583; allowed"),
-        ("pin_bore", 0.85, r"pin_bore over pin_diameter \(d_H\): given 0.85; allowed is 0 to 0.8"),
-        ("journal_bore", 0.85, r"journal_bore over pin_diameter \(d_G\): given 0.85; allowed is"),
-        ("oil_hole_diameter", 0.25, r"\(d_O\): given 0.25; allowed is 0 to 0.2, .* use finite"),
-    ],
+test_ratios_outside_are_refused = refusals_of(
+    lambda name, value: ConcentrationFactors(web(**{name: value})),
+    ("overlap", 0.55, "overlap over pin_diameter (s)"),
+    ("web_thickness", 0.15, "web_thickness over pin_diameter (w)"),
+    ("web_width", 2.3, "web_width over pin_diameter (b)"),
+    ("pin_fillet_radius", 0.02, "pin_fillet_radius over pin_diameter (r)"),
+    ("journal_fillet_radius", 0.031, "journal_fillet_radius over journal_diameter (r)"),
+    ("pin_bore", 0.85, "pin_bore over pin_diameter (d_H)"),
+    ("journal_bore", 0.85, "journal_bore over pin_diameter (d_G)"),
+    ("oil_hole_diameter", 0.25, "oil_hole_diameter over pin_diameter (d_O)"),
 )
-def test_ratios_outside_are_refused(name, value, allowed):
-    with pytest.raises(InputError, match=allowed):
-        ConcentrationFactors(web(**{name: value}))
 
 
 def test_a_shrunk_journal_has_no_fillet_and_a_pin_without_hole_no_outlet():
@@ -141,11 +137,11 @@ def test_a_shrunk_journal_has_no_fillet_and_a_pin_without_hole_no_outlet():
         web(semi_built=True, journal_fillet_radius=0.0, oil_hole_diameter=0.0)
     )
     assert factors.alpha_bending > 1.0
-    with pytest.raises(InputError, match="semi_built: given true"):
+    with refused("semi_built"):
         _ = factors.beta_bending
-    with pytest.raises(InputError, match="semi_built: given true"):
+    with refused("semi_built"):
         _ = factors.beta_torsion
-    with pytest.raises(InputError, match="oil_hole_diameter: not given"):
+    with refused("oil_hole_diameter"):
         _ = factors.gamma_torsion
     assert set(coefficient_differences(factors.web)) == {"alpha_T"}
 
@@ -155,15 +151,6 @@ def test_a_deep_recess_thins_the_web_of_a_shaft_without_overlap():
     assert web(**deep).section_thickness == close(0.4 * 0.2)
     assert web(**deep, overlap=-0.1).section_thickness == close((0.4 - 0.04) * 0.2)
     assert web(**deep, semi_built=True).section_thickness == close((0.4 - 0.04) * 0.2)
-    with pytest.raises(InputError, match="pin_recess: given"):
-        web(pin_recess=0.5, semi_built=True)
-
-
-def test_wrong_lengths_are_refused():
-    with pytest.raises(InputError, match=r"pin_bore: given 0.3 m; allowed is less than the"):
-        web(pin_bore=1.5)
-    with pytest.raises(InputError, match="web_width: given 0 m"):
-        web(web_width=0.0)
 
 
 def test_a_throw_with_a_rod_in_the_middle_shares_its_force():
@@ -196,11 +183,11 @@ def test_an_oil_hole_is_bent_in_its_own_direction():
 
 def test_what_cannot_load_a_throw_is_refused():
     one = np.ones((1, 2))
-    with pytest.raises(InputError, match=r"rods: given \[0.5\] m; allowed are places above 0 and"):
+    with refused("rods"):
         SupportedThrow(0.4, [0.5], one, one)
-    with pytest.raises(InputError, match=r"radial: given an array of shape \(1, 2\); allowed is"):
+    with refused("radial"):
         SupportedThrow(0.4, [0.1, 0.2], one, one)
-    with pytest.raises(InputError, match="strokes"):
+    with refused("strokes"):
         web_stresses(SupportedThrow(0.4, [0.1], one, one), web(), 0.1, strokes=3)
     assert alternating([[1.0, -3.0], [2.0, 2.0]]) == close([2.0, 0.0])
 
@@ -220,17 +207,11 @@ def test_additional_stress():
     assert added_bending("crosshead", 6e6) == close(16e6)
     assert added_bending("crosshead", 25e6) == close(35e6)
     assert added_bending("trunk", 6e6) == close(10e6)
-    with pytest.raises(InputError, match="piston: given 'opposed'"):
-        added_bending("opposed")
-    with pytest.raises(InputError, match="axial_vibration"):
-        added_bending("crosshead", -1.0)
 
 
 def test_small_radii_do_not_raise_the_strength():
     assert fatigue_strength(8e8, 0.1, 1e-3) == close(fatigue_strength(8e8, 0.1, 2e-3))
     assert fatigue_strength(8e8, 0.1, 1e-2) < fatigue_strength(8e8, 0.1, 2e-3)
-    with pytest.raises(InputError, match="tensile_strength"):
-        fatigue_strength(0.0, 0.1, 1e-2)
 
 
 def test_a_place_is_acceptable_from_1_15_on():
@@ -296,25 +277,13 @@ def test_hardened_surfaces():
         assert [strength_near_end(1e-3 * one, 4e-3) for one in depths] == [shares] * 2
 
 
-@pytest.mark.parametrize(
-    ("given", "why"),
-    [
-        (("peening", 1e-3, 500.0), "process: given 'peening'"),
-        (("induction", 0.0, 500.0), "depth: given 0 m"),
-        (("induction", 1e-3, 390.0), "given 390 HV; allowed is 400 HV or more for induction"),
-        (("nitriding", 1e-3, 590.0), "given 590 HV; allowed is 600 HV or more for nitriding"),
-    ],
+test_wrong_hardening_is_refused = refusals_of(
+    lambda given: SurfaceTreatment(*given),
+    (("peening", 1e-3, 500.0), "process"),
+    (("induction", 0.0, 500.0), "depth"),
+    (("induction", 1e-3, 390.0), "surface_hardness"),
+    (("nitriding", 1e-3, 590.0), "surface_hardness"),
 )
-def test_wrong_hardening_is_refused(given, why):
-    with pytest.raises(InputError, match=why):
-        SurfaceTreatment(*given)
-
-
-def test_only_nitriding_has_a_hardness_over_the_depth():
-    with pytest.raises(InputError, match="process: given induction"):
-        SurfaceTreatment("induction", 1e-3, 500.0).hardness(0.0, 250.0)
-    with pytest.raises(InputError, match="core_hardness: given 660 HV; allowed is below 650 HV"):
-        SurfaceTreatment("nitriding", 1e-3, 700.0).hardness(0.0, 660.0)
 
 
 FIT = {
@@ -364,22 +333,16 @@ def test_a_shrink_fit_that_is_not_allowed(change, said):
 
 
 def test_a_near_pin_asks_for_special_consideration():
-    (said,) = ShrinkFit(**FIT | {"distance": 0.06}).remarks
-    assert "special consideration is required below 70 mm" in said
+    assert len(ShrinkFit(**FIT | {"distance": 0.06}).remarks) == 1
 
 
-@pytest.mark.parametrize(
-    ("change", "why"),
-    [
-        ({"friction": 0.25}, "friction: given 0.25; allowed is up to 0.2"),
-        ({"safety": 1.5}, "safety: given 1.5; allowed is 2 or more"),
-        ({"web_diameter": 0.65}, "shrink_diameter: given 0.7 m; allowed is above"),
-        ({"torque": 0.0}, "torque: given 0 N m"),
-    ],
+test_wrong_fits_are_refused = refusals_of(
+    lambda change: ShrinkFit(**FIT | change),
+    ({"friction": 0.25}, "friction"),
+    ({"safety": 1.5}, "safety"),
+    ({"web_diameter": 0.65}, "shrink_diameter"),
+    ({"torque": 0.0}, "torque"),
 )
-def test_wrong_fits_are_refused(change, why):
-    with pytest.raises(InputError, match=why):
-        ShrinkFit(**FIT | change)
 
 
 K = findley_factor()
@@ -460,13 +423,8 @@ def test_smallest_circles():
 
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_strengths_that_no_factor_fits_are_refused(share):
-    with pytest.raises(InputError, match=f"torsion_share: given {share:g}; allowed is above 0.5"):
+    with refused("torsion_share"):
         findley_factor(share)
-
-
-def test_histories_have_three_stresses():
-    with pytest.raises(InputError, match=r"history: given an array of shape \(4, 2\)"):
-        critical_plane(np.zeros((4, 2)), K)
 
 
 def test_a_path_repeated_thousands_of_times_is_that_path():
@@ -564,32 +522,32 @@ def test_propeller_with_water():
     assert (given.inertia, given.mass) == (12.0, 320.0)
 
 
-@pytest.mark.parametrize(
-    ("build", "message"),
-    [
-        (lambda: shaft_cylinder(0.0, 0.1), "shaft.length: given 0 m"),
-        (lambda: shaft_cylinder(1.0, -0.1), "shaft.diameter: given -0.1 m"),
-        (lambda: shaft_cylinder(1.0, 0.1, 0.1), "shaft.bore: given 0.1 m; .*less than 0.1 m"),
-        (lambda: ShaftCone(1.0, 0.2, 0.1, 0.15), "shaft.bore: given 0.15 m; .*less than 0.1 m"),
-        (lambda: ShaftCone(1.0, 0.2, 0.1, 0.05, "oval"), "shaft.bore_shape: given 'oval'"),
-        (lambda: Coupling(torsional_stiffness=0.0), "coupling.torsional_stiffness: given 0"),
-        (lambda: ShaftLine([Coupling(1.0)]).chain("axial"), "coupling.axial_stiffness: given none"),
-        (lambda: ShaftLine([Coupling(1.0)]).chain(), r"inertia\[0\]: given 0"),
-        (lambda: ShaftLine([]), "pieces: given none"),
-        (lambda: ShaftLine([3.0]), r"pieces\[0\]: given 3.0"),
-        (lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain("bending"), "kind: given 'bending'"),
-        (lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain(parts=0), "parts: given 0"),
-        (lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain(inertia="thick"), "inertia: given"),
-        (lambda: ShaftLine([RigidBody(1.0, 1.0, "a")]).section_modulus, "pieces: given no piece"),
-        (lambda: RigidBody(-1.0, 0.0, "a"), "body.inertia: given -1"),
-        (lambda: Propeller(1.0, 1.0, entrained_mass=0.0), "propeller.entrained_inertia: .*neither"),
-        (
-            lambda: Propeller(1.0, 1.0, 1.0, 1.0, entrained_mass_share=0.6),
-            "propeller.entrained_mass: given both",
-        ),
-        (lambda: ShaftMaterial(density=0.0), "material.density: given 0"),
-    ],
+test_refused = refusals(
+    ("pin_bore", lambda: web(pin_bore=1.5)),
+    ("web_width", lambda: web(web_width=0.0)),
+    ("process", lambda: SurfaceTreatment("induction", 1e-3, 500.0).hardness(0.0, 250.0)),
+    ("core_hardness", lambda: SurfaceTreatment("nitriding", 1e-3, 700.0).hardness(0.0, 660.0)),
+    ("history", lambda: critical_plane(np.zeros((4, 2)), K)),
+    ("shaft.length", lambda: shaft_cylinder(0.0, 0.1)),
+    ("shaft.diameter", lambda: shaft_cylinder(1.0, -0.1)),
+    ("shaft.bore", lambda: shaft_cylinder(1.0, 0.1, 0.1)),
+    ("shaft.bore", lambda: ShaftCone(1.0, 0.2, 0.1, 0.15)),
+    ("shaft.bore_shape", lambda: ShaftCone(1.0, 0.2, 0.1, 0.05, "oval")),
+    ("coupling.torsional_stiffness", lambda: Coupling(torsional_stiffness=0.0)),
+    ("coupling.axial_stiffness", lambda: ShaftLine([Coupling(1.0)]).chain("axial")),
+    ("inertia[0]", lambda: ShaftLine([Coupling(1.0)]).chain()),
+    ("pieces", lambda: ShaftLine([])),
+    ("pieces[0]", lambda: ShaftLine([3.0])),
+    ("kind", lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain("bending")),
+    ("parts", lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain(parts=0)),
+    ("inertia", lambda: ShaftLine([shaft_cylinder(1.0, 0.1)]).chain(inertia="thick")),
+    ("pieces", lambda: ShaftLine([RigidBody(1.0, 1.0, "a")]).section_modulus),
+    ("body.inertia", lambda: RigidBody(-1.0, 0.0, "a")),
+    ("propeller.entrained_inertia", lambda: Propeller(1.0, 1.0, entrained_mass=0.0)),
+    ("propeller.entrained_mass", lambda: Propeller(1.0, 1.0, 1.0, 1.0, entrained_mass_share=0.6)),
+    ("material.density", lambda: ShaftMaterial(density=0.0)),
+    ("pin_recess", lambda: web(pin_recess=0.5, semi_built=True)),
+    ("piston", lambda: added_bending("opposed")),
+    ("axial_vibration", lambda: added_bending("crosshead", -1.0)),
+    ("tensile_strength", lambda: fatigue_strength(0.0, 0.1, 1e-2)),
 )
-def test_unusable_pieces_are_refused(build, message):
-    with pytest.raises(InputError, match=message):
-        build()

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.errors import InputError
 from crankfem.analyses.vibration.plots import plot_transient, plot_transient_over_speed
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.dampers import TorsionalRing
@@ -31,6 +30,7 @@ from dynamics.transient.turning_run import (
     turning_chain,
 )
 from dynamics.turning.free_turning import turn_freely
+from refusals import refusals, refused
 
 EXACT = 1e-9
 ORDERS = np.array([0.5, 1.0, 2.5, 4.0])
@@ -162,7 +162,6 @@ def test_interrupted_run_keeps_what_is_finished():
     count = run.time.size
     assert 0.4 * whole.time.size < count < 0.8 * whole.time.size
     assert np.allclose(run.torque, whole.torque[:count], rtol=0.0, atol=1e-9)
-    assert "Interrupted at" in run.notes[-1]
     assert run.envelope().time.size > 10
 
 
@@ -243,12 +242,9 @@ BAD = {
 
 @pytest.mark.parametrize("message", BAD)
 def test_bad_input_is_refused_in_one_sentence(message):
-    with pytest.raises(InputError) as error:
+    with refused(message.partition(": ")[0]) as caught:
         BAD[message]()
-    text = str(error.value)
-    assert text.startswith(message)
-    assert "allowed" in text
-    assert "because" in text
+    assert str(caught.value).startswith(message)
 
 
 SPEED, HIGHEST = 30.0, 4
@@ -389,11 +385,9 @@ def test_interrupted_and_stopping_runs_keep_what_is_finished():
     run = turn_under_gas(chain, SPEED, 0.8, load=forces.mean_torque[0], progress=stop)
     assert not run.complete
     assert 0.3 < run.time[-1] < 0.7
-    assert run.notes[-1].startswith("Interrupted")
     silent, _ = turning(damping=30.0)
     braked = turn_under_gas(silent, SPEED, 2.0, load=600.0)
     assert not braked.complete
-    assert braked.notes[-1].startswith("The shaft all but stops")
     assert abs(braked.shaft_speed[-1]) < 0.1 * SPEED
     assert braked.energy_error < 1e-8
 
@@ -446,12 +440,9 @@ BAD_TURNING = {
 @pytest.mark.parametrize("message", BAD_TURNING)
 def test_bad_input_is_refused_in_one_sentence_turning(message):
     chain, _ = turning(gas=pressure(), damping=30.0)
-    with pytest.raises(InputError) as error:
+    with refused(message.partition(": ")[0]) as caught:
         BAD_TURNING[message](chain)
-    text = str(error.value)
-    assert text.startswith(message)
-    assert "allowed" in text
-    assert "because" in text
+    assert str(caught.value).startswith(message)
 
 
 def test_a_chain_that_turns_evenly_has_that_speed_and_gas_may_change_within_a_run():
@@ -466,10 +457,10 @@ def test_a_chain_that_turns_evenly_has_that_speed_and_gas_may_change_within_a_ru
 def test_a_cycle_that_takes_too_many_evaluations_is_given_up(monkeypatch):
     chain, _ = turning(gas=pressure(), damping=30.0)
     monkeypatch.setattr("dynamics.transient.turning_run.MOST_EVALUATIONS", 500)
-    with pytest.raises(InputError, match=r"given 1e-06 rad/s; allowed is .* limit of 500 .*"):
+    with refused("mean_speed"):
         steady_cycle(chain, 1e-6)
     monkeypatch.setattr("dynamics.transient.turning_run.MOST_EVALUATIONS", 500)
-    with pytest.raises(InputError, match=r"duration: given .* \(a revolution takes more than"):
+    with refused("duration"):
         turn_under_gas(chain, 1e-3, 1e4)
 
 
@@ -549,7 +540,7 @@ def test_orders_without_a_common_cycle_take_windows_of_given_turns():
     assert run.complete
     assert run.envelope(turns=2).turns == 2
     for call in (run.envelope, lambda: run.turns):
-        with pytest.raises(InputError, match=r"^orders: given 0.5, 1.348; allowed are orders that"):
+        with refused("orders"):
             call()
 
 
@@ -565,7 +556,7 @@ def test_phasors_of_a_cycle_are_those_of_its_orders_and_no_others():
     half = cycle.shaft_angle_deg.size / 2.0
     for order in (0.5, 0.0, -1.0, half, 1.0001):
         for phasors in (cycle.phasors, cycle.torque_phasors):
-            with pytest.raises(InputError, match=r"^orders: given .*; allowed are multiples of 1"):
+            with refused("orders"):
                 phasors([order])
     assert gas.orders.tolist() == [1.0, 2.0, 3.0, 4.0]
 
@@ -612,11 +603,6 @@ def test_dampers_turn_evenly(chain):
     assert np.abs(found - wanted).max() < 1e-3 * np.abs(wanted).max()
 
 
-def test_more_samples_than_are_counted_are_refused():
-    with pytest.raises(InputError, match=r"samples: given .*; allowed is up to"):
-        SpeedCurve.sampled(lambda _: 1.0, 1.0, samples=10**400)
-
-
 def run(system):
     acting = OrderExcitation([1.5], [100.0, 300.0], np.ones((1, 2, 2)) * [80.0, 0.0])
     return transient_motion(system, acting, SpeedCurve.ramp(120.0, 280.0, duration=1.0))
@@ -636,13 +622,18 @@ def test_pictures(tmp_path):
     plot_transient(tmp_path / "turns.svg", found, turns=4)
     assert "amplitude over 4 turns" in (tmp_path / "turns.svg").read_text(encoding="utf-8")
     plot_transient_over_speed(tmp_path / "s.svg", [1.0, 2.0, 3.0], {"one": [1.0, np.inf, 2.0]})
-    with pytest.raises(InputError, match=r"^place: given 1; allowed"):
+    with refused("place"):
         plot_transient(tmp_path / "a.svg", found, 1)
-    with pytest.raises(InputError, match=r"^quantity: given 'torque'; allowed"):
+    with refused("quantity"):
         plot_transient(tmp_path / "a.svg", run(chain_system(chain)))
-    with pytest.raises(InputError, match=r"^steady: given arrays"):
+    with refused("steady"):
         plot_transient(tmp_path / "a.svg", found, steady=([3.0, 2.0], [1.0, 1.0]))
-    with pytest.raises(InputError, match=r"^amplitudes: given none"):
+    with refused("amplitudes"):
         plot_transient_over_speed(tmp_path / "a.svg", [1.0], {})
-    with pytest.raises(InputError, match=r"^amplitudes\['x'\]: given"):
+    with refused("amplitudes['x']"):
         plot_transient_over_speed(tmp_path / "a.svg", [1.0], {"x": [np.nan]})
+
+
+test_refused = refusals(
+    ("samples", lambda: SpeedCurve.sampled(lambda _: 1.0, 1.0, samples=10**400)),
+)

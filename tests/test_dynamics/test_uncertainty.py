@@ -4,7 +4,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
-from crankbase.errors import InputError
 from dynamics.assessment.separation import critical_ranges, separation_margin
 from dynamics.assessment.uncertainty import (
     Spread,
@@ -17,6 +16,7 @@ from dynamics.assessment.uncertainty import (
     scaled_chain,
 )
 from dynamics.chains.chain import Chain, Dashpot, Gear
+from refusals import refusals, refused
 
 # A geared and branched shaft with all that a chain can have.
 CHAIN = Chain(
@@ -119,12 +119,12 @@ def test_samples_of_any_result():
     endless = function_samples(lambda f: np.inf if f[0] > 1.2 else f[0], spreads, samples=100)
     assert np.isinf(endless.highest)
     assert np.isfinite(endless.percentile(50))
-    with pytest.raises(InputError, match="percent: given 101; allowed are 0 to 100"):
+    with refused("percent"):
         endless.percentile(101)
     never = function_samples(lambda _: np.inf, spreads, samples=2)
-    with pytest.raises(InputError, match="place: given 0, where all samples are unbounded"):
+    with refused("place"):
         never.plot()
-    with pytest.raises(InputError, match="samples: given 100001; allowed is up to"):
+    with refused("samples"):
         function_samples(np.sum, spreads, samples=100_001)
 
 
@@ -143,7 +143,6 @@ def test_critical_ranges_tell_what_the_nominal_value_hides():
     assert found.nominal_margin == close(100.0 / 88.0 - 1.0)
     assert found.margin == close(90.0 / 88.0 - 1.0)
     assert not found.kept()
-    assert found.sentence.endswith("(859.4 to 1042 1/min), 2.27 % off running speeds")
     assert critical_ranges(chain, [], [1.0], (50.0, 60.0)) == ()
 
 
@@ -166,22 +165,16 @@ def test_critical_ranges_take_each_chains_own_peaks_and_tell_every_peak():
     assert not critical_ranges(chain, [], [1.0], (50.0, 100.0), damped=lambda *_: ())
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: Spread("weight", 0.9, 1.1), "kind: given 'weight'; allowed are compliance"),
-        (lambda: Spread("inertia", 1.1, 1.2), "given factors 1.1 to 1.2; allowed are a low one"),
-        (lambda: Spread.within("inertia", 1.0), "given 0; allowed are finite numbers of more than"),
-        (lambda: Spread("all damping", 0.5, 2.0, places=(1,)), "places: given"),
-        (
-            lambda: frequency_bounds(CHAIN, [Spread("stiffness", 0.9, 1.1, places=(3,))]),
-            "given 3; allowed are the whole numbers 0 to 2 and fan - crank 1",
-        ),
-        (lambda: sampled_factors([]), "spreads: given none"),
-        (lambda: scaled_chain(CHAIN, SPREADS, [1.0]), "factors: given 1 for 7 spreads"),
-        (lambda: critical_ranges(CHAIN, [], [1.0], (2.0, 1.0)), "the lowest and then the highest"),
-    ],
+test_refused = refusals(
+    ("kind", lambda: Spread("weight", 0.9, 1.1)),
+    ("spread of inertia", lambda: Spread("inertia", 1.1, 1.2)),
+    ("spread of inertia[0]", lambda: Spread.within("inertia", 1.0)),
+    ("places", lambda: Spread("all damping", 0.5, 2.0, places=(1,))),
+    (
+        "spread of stiffness",
+        lambda: frequency_bounds(CHAIN, [Spread("stiffness", 0.9, 1.1, places=(3,))]),
+    ),
+    ("spreads", lambda: sampled_factors([])),
+    ("factors", lambda: scaled_chain(CHAIN, SPREADS, [1.0])),
+    ("running_range", lambda: critical_ranges(CHAIN, [], [1.0], (2.0, 1.0))),
 )
-def test_impossible_ranges_are_refused(call, message):
-    with pytest.raises(InputError, match=message):
-        call()

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, exceeded_ranges
 from dynamics.assessment.limit_rules import (
     CRANKSHAFT_RULES,
@@ -33,7 +32,7 @@ from dynamics.response.linear_system import damped
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
-from dynamics.wording import limit_at, shown_range, speed_text
+from refusals import refusals, refusals_of
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
 RUNNING = (30.0, 100.0)
@@ -51,46 +50,25 @@ def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
     assert verdict.status == "fine"
     assert verdict.checks[0].limit is TORQUE
     assert verdict.checks[0].margin == close(0.05)
-    assert verdict.sentence == (
-        "Acceptable from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: at most 1900 N m at "
-        "573 1/min, 95 % of the permitted 2000 N m (maker's sheet 7)."
-    )
 
 
-def test_what_is_exceeded_a_little_is_told_by_the_margin():
-    verdict = judge([(CRANKSHAFT, peak(50.0, 39e6 * 1.002))], RUNNING, RULE)
-    assert "39.08 MPa at 477.5 1/min, 100.2 % of the permitted 39 MPa" in verdict.sentence
-    (barred,) = verdict.barred
-    assert "(shaft 6 - 7), 100.2 % is used at most" in barred.ends
-    (far,) = judge([(CRANKSHAFT, peak(50.0, 60e6))], RUNNING, RULE).barred
-    assert "(shaft 6 - 7), 154 % is used at most" in far.ends
-
-
-@pytest.mark.parametrize(
-    ("curve", "why"),
-    [
-        (peak(50.0, 80e6), "80 MPa at 477.5 1/min, where 78 MPa may be passed"),
-        (peak(90.0, 30e6), "nothing may be barred above 0.80"),
-        (peak(50.0, np.inf), "unbounded at"),
-    ],
-)
-def test_not_acceptable(curve, why):
+# Above what may be passed, above the share of the rated speed, without bounds.
+@pytest.mark.parametrize("curve", [peak(50.0, 80e6), peak(90.0, 30e6), peak(50.0, np.inf)])
+def test_not_acceptable(curve):
     verdict = judge([(CRANKSHAFT, curve)], RUNNING, RULE)
     assert verdict.status == "not acceptable"
-    assert why in verdict.sentence
+    assert not verdict.barred[0].allowed
 
 
 def test_unbounded_without_a_limit_for_passing_is_not_acceptable():
     values = np.where(np.arange(SPEEDS.size) == 800, np.inf, 1.0)
     verdict = judge([(TORQUE, AmplitudeCurve("coupling", SPEEDS, values))], RUNNING, RULE)
     assert verdict.status == "not acceptable"
-    assert "the torque of coupling is unbounded in it" in verdict.sentence
 
 
 def test_limit_without_one_for_passing_leaves_a_remark():
     verdict = judge([(TORQUE, peak(50.0, 3e3))], RUNNING, RULE)
-    assert verdict.status == "barred range needed"
-    assert any("no limit for passing is known" in remark for remark in verdict.remarks)
+    assert (verdict.status, len(verdict.remarks)) == ("barred range needed", 1)
 
 
 def test_below_the_lowest_running_speed_it_is_only_started_through():
@@ -104,7 +82,6 @@ def test_a_range_below_the_lowest_speed_is_not_judged_at_full_load():
     verdict = judge([(CRANKSHAFT, peak(20.0, 100e6))], RUNNING, RULE, full_load=True)
     assert verdict.status == "fine"
     (below,) = verdict.started_through
-    assert "not judged" in below.sentence
     assert below.refusals == ()
     # What reaches into the running range is judged.
     (into,) = judge([(CRANKSHAFT, peak(30.0, 200e6))], RUNNING, RULE, full_load=True).barred
@@ -138,11 +115,6 @@ def test_the_worst_is_the_worst_at_running_speeds_with_its_own_place_and_speed()
     assert RUNNING[0] <= worst.worst_speed <= RUNNING[1]
     assert worst.permitted == CRANKSHAFT.continuous.at(np.array([worst.worst_speed]))[0]
     assert verdict.checks[0].curve.name == "a"
-    assert f"b: {worst.use}" in verdict.sentence
-    assert (
-        f"Above the running range, torsional stress of crankshaft, a: {verdict.checks[0].use}"
-        in (verdict.sentence)
-    )
     # Where nothing is exceeded at running speeds, what is above them decides.
     findings = [(CRANKSHAFT, curve("a", 6e6, 90e6)), (CRANKSHAFT, curve("b", 7e6, 1e6))]
     kept = judge(findings, RUNNING, RULE)
@@ -177,8 +149,6 @@ def test_where_what_is_passed_on_starting_refuses_that_decides(at):
     assert check.worst_value == check.curve.values[np.argmin(np.abs(SPEEDS - at))]
     assert check.used == check.worst_value / 4e3 > 1.0
     assert not verdict.deciding_first[0].allowed
-    assert "coupling: 5000 N m" in verdict.sentence
-    assert "that may be passed" in check.use
 
 
 def test_of_two_ranges_the_one_that_cannot_be_barred_decides():
@@ -194,7 +164,6 @@ def test_of_two_ranges_the_one_that_cannot_be_barred_decides():
         == check.worst_value / CRANKSHAFT.continuous.at(check.worst_speed * np.ones(1))[0]
     )
     assert verdict.deciding_first[0].limits == (CRANKSHAFT.name,)
-    assert verdict.sentence.startswith(f"{verdict.headline}: {CRANKSHAFT.name}, shaft: ")
 
 
 def test_what_makes_a_barred_range_decides_though_its_peak_is_below_the_running_range():
@@ -213,8 +182,7 @@ def test_a_strip_between_two_barred_ranges_is_told_where_nothing_can_run_in_it(a
     verdict = judge(curves, RUNNING, RULE)
     (_, low), (high, _) = verdict.ranges_to_bar
     assert (high < 1.05 * low) == told
-    sentence = f"{shown_range(low, high)}, between two ranges to be barred, is too narrow to run in"
-    assert (sentence in verdict.remarks) == told
+    assert len(verdict.remarks) == told
 
 
 def test_below_the_running_range_nothing_is_barred_but_passed():
@@ -234,7 +202,6 @@ def test_a_range_that_reaches_into_the_running_range_is_barred():
     (barred,) = verdict.barred
     # Nothing is barred below the running range; there it is passed on every start.
     assert barred.low == RUNNING[0] < barred.high
-    assert f"from {speed_text(RULE.bounds(30.0)[0])} to the lowest running speed" in barred.ends
 
 
 def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
@@ -243,8 +210,7 @@ def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
     short = AmplitudeCurve(
         "shaft", SPEEDS[SPEEDS < 101.0], np.ones(np.count_nonzero(SPEEDS < 101.0))
     )
-    (remark,) = judge([(CRANKSHAFT, short)], RUNNING, RULE).remarks
-    assert "the limit goes on to 1098 1/min, the calculation to" in remark
+    assert len(judge([(CRANKSHAFT, short)], RUNNING, RULE).remarks) == 1
 
 
 def test_a_limit_that_ends_within_the_running_range_is_told_once_with_its_end():
@@ -253,24 +219,21 @@ def test_a_limit_that_ends_within_the_running_range_is_told_once_with_its_end():
         (CRANKSHAFT, AmplitudeCurve(name, speeds, 1e6 * speeds)) for name in ("one", "other")
     ]
     verdict = judge(findings, (RUNNING[0], 118.0), RULE)
-    assert verdict.remarks == (
-        f"{CRANKSHAFT.name}: not judged above 1098 1/min, where the limit ends",
-    )
+    assert len(verdict.remarks) == 1
     assert [check.judged[1] for check in verdict.checks] == close([115.0, 115.0])
 
 
-@pytest.mark.parametrize(
-    ("findings", "running", "message"),
-    [
-        ([], RUNNING, "findings: given none"),
-        ([(TORQUE, peak(50.0, 1.0))], (100.0, 30.0), "the lowest and then the highest running"),
-        ([(TORQUE, peak(50.0, 1.0))], (5.0, 100.0), "allowed are speeds that cover the running"),
-        ([(crankshaft_limit(10.0, strokes=4), peak(50.0, 1.0))], RUNNING, "allowed is one that is"),
-    ],
+test_what_cannot_be_judged_is_refused = refusals_of(
+    lambda findings, running: judge(findings, running, RULE),
+    ([], RUNNING, "findings"),
+    ([(TORQUE, peak(50.0, 1.0))], (100.0, 30.0), "running_range"),
+    ([(TORQUE, peak(50.0, 1.0))], (5.0, 100.0), "speeds of shaft 6 - 7"),
+    (
+        [(crankshaft_limit(10.0, strokes=4), peak(50.0, 1.0))],
+        RUNNING,
+        "limit on torsional stress of crankshaft",
+    ),
 )
-def test_what_cannot_be_judged_is_refused(findings, running, message):
-    with pytest.raises(InputError, match=message):
-        judge(findings, running, RULE)
 
 
 def test_speeds_that_end_where_the_engine_does_cover_its_range():
@@ -298,27 +261,6 @@ def test_a_range_barred_up_to_the_lowest_running_speed_touches_it():
         assert verdict.status == "barred range needed"
 
 
-def test_a_limit_on_one_place_is_named_once():
-    assert limit_at("torsional stress of shaft", "shaft") == "torsional stress of shaft"
-    assert limit_at("torsional stress of crankshaft", "shaft") == (
-        "torsional stress of crankshaft, shaft"
-    )
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"value": 0.0}, "given 0 N m; allowed are finite numbers of more than zero"),
-        ({"value": 2.0, "passing": 1.0}, "given 1 N m while a barred range is passed; allowed are"),
-        ({"value": 2.0, "source": " "}, "given no source; allowed is a sentence"),
-    ],
-)
-def test_impossible_limits_are_refused(values, message):
-    given = {"unit": "N m", "applies_to": "coupling", "source": "maker"} | values
-    with pytest.raises(InputError, match=message):
-        given_limit("torque", **given)
-
-
 @pytest.mark.parametrize("per_minute", [450.0, 1000.0, 1500.0, 2300.0, 3001.0])
 @pytest.mark.parametrize(
     ("ratio", "pick"),
@@ -342,26 +284,18 @@ def test_a_limit_holds_at_its_end_however_that_is_calculated(per_minute, ratio, 
     assert np.isinf(curve.at(ends * (1.0 + 1e-9))).all()
 
 
-@pytest.mark.parametrize(
-    ("speeds", "values", "message"),
-    [
-        ([2.0, 1.0], [1.0, 1.0], "that do not ascend"),
-        ([1.0, 2.0], [1.0], "given an array of shape"),
-        ([1.0, 2.0], [1.0, np.nan], "allowed is an amplitude of zero or more"),
-        ([1.0, 2.0], [1.0, -1.0], "allowed is an amplitude of zero or more"),
-    ],
+test_impossible_curves_are_refused = refusals_of(
+    lambda speeds, values: AmplitudeCurve("shaft", speeds, values),
+    ([2.0, 1.0], [1.0, 1.0], "speeds of shaft"),
+    ([1.0, 2.0], [1.0], "values of shaft"),
+    ([1.0, 2.0], [1.0, np.nan], "values of shaft"),
+    ([1.0, 2.0], [1.0, -1.0], "values of shaft"),
 )
-def test_impossible_curves_are_refused(speeds, values, message):
-    with pytest.raises(InputError, match=message):
-        AmplitudeCurve("shaft", speeds, values)
 
 
 def test_a_yield_strength_is_named_where_nothing_may_be_passed():
     plain, strong = (crankshaft_limit(10.0, strokes=2, yield_strength=y) for y in (225e6, 295e6))
-    assert (plain.remark, strong.remark) == (
-        "",
-        "by the yield strength 1.31 times as much may be passed",
-    )
+    assert (plain.remark, "1.31" in strong.remark) == ("", True)
 
 
 def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so():
@@ -369,43 +303,16 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
     capped = propulsion_shaft_limit(600e6, 0.3, 10.0)
     speed = np.array([5.0])
     assert carbon.continuous.at(speed) == capped.continuous.at(speed)
-    assert "650 MPa enters the rule as 600 MPa" in carbon.remark
-    assert capped.remark == ""
     keyed = propulsion_shaft_limit(600e6, 0.3, 10.0, feature="tapered keyway")
-    assert "a speed range is barred" in keyed.remark
+    assert [bool(limit.remark) for limit in (carbon, capped, keyed)] == [True, False, True]
     alloy = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True)
     assert alloy.continuous.at(speed) == close(capped.continuous.at(speed) * 810 / 760)
     tail = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True, feature="propeller shaft")
     assert tail.continuous.at(speed) == close(capped.continuous.at(speed) * 0.55)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: propulsion_shaft_limit(300e6, 0.3, 10.0), "given 300 MPa; allowed is 400 MPa or"),
-        (lambda: propulsion_shaft_limit(500e6, 0.3, 10.0, feature="weld"), "feature: given 'weld'"),
-        (lambda: crankshaft_limit(100.0, strokes=3), "strokes: given 3; allowed are 2 and 4"),
-        (lambda: generator_set_limit(100.0, part="pump"), "part: given 'pump'; allowed are"),
-        (lambda: BarredRangeRule(10.0).bounds(20.0), "allowed is less than twice the rated speed"),
-        (
-            lambda: crankshaft_material_factors(5e8, 6e8, alloy=True),
-            "yield_strength: given 600 MPa above a tensile strength of 500 MPa",
-        ),
-    ],
-)
-def test_what_a_rule_does_not_cover_is_refused(call, message):
-    with pytest.raises(InputError, match=message):
-        call()
-
-
-@pytest.mark.parametrize(
-    ("alloy", "most", "said"),
-    [
-        (False, 590e6, "900 MPa enters the rule as 590 MPa, where its formula ends for carbon"),
-        (True, 835e6, "900 MPa enters the rule as 835 MPa, where its formula ends for low alloy"),
-    ],
-)
-def test_a_steel_beyond_the_end_of_the_formula_counts_as_one_at_its_end(alloy, most, said):
+@pytest.mark.parametrize(("alloy", "most"), [(False, 590e6), (True, 835e6)])
+def test_a_steel_beyond_the_end_of_the_formula_counts_as_one_at_its_end(alloy, most):
     # By the rule 1 + 2/3 (T / 440 - 1) and Y / 225, and weak steel does not lower a limit.
     assert crankshaft_material_factors(550e6, 450e6, alloy=alloy) == close((7.0 / 6.0, 2.0))
     assert crankshaft_material_factors(400e6, 200e6, alloy=alloy) == (1.0, 1.0)
@@ -415,8 +322,7 @@ def test_a_steel_beyond_the_end_of_the_formula_counts_as_one_at_its_end(alloy, m
             rule(100.0, strokes=4, tensile_strength=one, alloy=alloy) for one in (900e6, most)
         )
         assert np.array_equal(strong.continuous.values(speeds), at_end.continuous.values(speeds))
-        assert said in strong.remark
-        assert "enters the rule" not in at_end.remark
+        assert ("900 MPa" in strong.remark, "MPa" in at_end.remark) == (True, False)
 
 
 @pytest.mark.parametrize(
@@ -499,13 +405,13 @@ def test_nothing_is_barred_above_the_share_of_the_rated_speed_or_the_limit_for_p
     (high,) = barred_ranges(
         [(LIMIT, AmplitudeCurve("shaft", speeds, resonance(speeds, 78.0)))], RULE, (20.0, 100.0)
     )
-    assert "nothing may be barred above 0.80" in high.refusals[0]
+    assert not high.allowed
     (strong,) = barred_ranges(
         [(LIMIT, AmplitudeCurve("shaft", speeds, 3.0 * resonance(speeds, 50.0)))],
         RULE,
         (20.0, 100.0),
     )
-    assert "0.00012 MPa at 477.5 1/min, where 0.0001 MPa may be passed" in strong.refusals[0]
+    assert not strong.allowed
 
 
 def test_of_locations_that_exceed_the_limit_for_passing_one_is_named_and_the_others_are_counted():
@@ -516,8 +422,7 @@ def test_of_locations_that_exceed_the_limit_for_passing_one_is_named_and_the_oth
     ]
     (found,) = barred_ranges([(LIMIT, one) for one in curves], RULE, (20.0, 100.0))
     (said,) = found.refusals
-    assert said.startswith("b reaches ")
-    assert said.endswith("may be passed; 2 more locations exceed what may be passed")
+    assert re.search(r"^b .*; 2 more", said)
 
 
 def test_a_limit_that_begins_on_a_falling_flank_has_no_critical_speed_there():
@@ -530,7 +435,6 @@ def test_a_limit_that_begins_on_a_falling_flank_has_no_critical_speed_there():
     assert found.peaks == ()
     (barred,) = barred_ranges([(limit, curve)], RULE, (20.0, 100.0))
     assert barred.low == found.low
-    assert "16 n" not in barred.ends
 
 
 def test_what_exceeds_a_limit_above_the_running_range_is_not_called_barred():
@@ -547,22 +451,18 @@ def test_what_exceeds_a_limit_above_the_running_range_is_not_called_barred():
     (above,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 100.0))
     assert above.position == "above"
     assert not above.allowed
-    assert "barred" not in above.sentence
-    assert "120 % of its limit, which applies up to 1098 1/min" in above.sentence
     # Where running speeds reach into it, it can be barred or not.
     (across,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 110.0))
     assert across.position == "running"
-    assert "cannot be barred" in across.sentence
     (below,) = barred_ranges([(rule_end, curve)], RULE, (114.0, 119.0))
     assert below.position == "below"
-    assert "passed on every start" in below.sentence
 
 
 def test_a_range_that_leaves_no_speed_to_run_at_is_refused():
     speeds = np.linspace(20.0, 110.0, 1801)
     curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
     (most,) = barred_ranges([(LIMIT, curve)], RULE, (48.0, 51.0))
-    assert most.refusals == ("it leaves no speed to run at",)
+    assert len(most.refusals) == 1
     (part,) = barred_ranges([(LIMIT, curve)], RULE, (48.0, 60.0))
     assert part.allowed
 
@@ -606,7 +506,7 @@ def test_the_lower_of_the_shares_of_limit_and_rule_counts():
     (allowed,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 100.0))
     assert allowed.allowed
     (refused,) = barred_ranges([(rule_end, curve)], BarredRangeRule(100.0, 0.7), (20.0, 100.0))
-    assert "nothing may be barred above 0.70" in refused.refusals[0]
+    assert not refused.allowed
 
 
 def test_neither_an_end_of_the_speeds_nor_a_bend_of_the_limit_is_a_peak():
@@ -614,7 +514,6 @@ def test_neither_an_end_of_the_speeds_nor_a_bend_of_the_limit_is_a_peak():
     curve = AmplitudeCurve("shaft", speeds, 4.0 * resonance(speeds, 50.0))
     (found,) = exceeded_ranges(LIMIT, curve)
     assert (found.low, found.peaks) == (55.0, ())
-    assert "peak" not in barred_ranges([(LIMIT, curve)], RULE, (20.0, 100.0))[0].ends
     # The vibration rises all along, its use of the limit is largest where the limit bends.
     bent = LimitCurve(lambda speed: np.interp(speed, [40.0, 60.0, 80.0], [20.0, 10.0, 60.0]))
     limit = replace(LIMIT, continuous=bent)
@@ -700,43 +599,52 @@ def test_the_two_values_beside_the_change_are_told(order):
     tried = steels((440e6, BAD), (506e6, BAD), (507e6, FINE), (835e6, BARRED))[::order]
     found = decide(BAD, tried)
     assert found.status == "undecided"
-    assert found.sentence == (
-        "acceptable with a tensile strength of 507 MPa, not with 506 MPa (440 MPa assumed): give "
-        "limits.tensile_strength"
-    )
     assert [one.value for pair in changes(tried) for one in pair] == [506e6, 507e6]
 
 
-def test_a_verdict_that_comes_and_goes_names_all_values():
-    tried = [
-        Trial(*BEARING, value, "N/m", status, value == 2e9)
-        for value, status in ((2e8, FINE), (2e9, BAD), (2e10, BARRED))
-    ]
-    assert decide(BAD, tried).sentence == (
-        "acceptable with a lateral stiffness of 2e8 N/m or 2e10 N/m, not with 2e9 N/m (assumed): give "
-        "bearings.stiffness"
-    )
+BEARINGS = [
+    Trial(*BEARING, value, "N/m", status, value == 2e9)
+    for value, status in ((2e8, FINE), (2e9, BAD), (2e10, BARRED))
+]
+MAGNIFIERS = [
+    Trial("damping.torsional_magnifier", "torsional magnifier", value, "", status, value == 40.0)
+    for value, status in ((25.0, BARRED), (40.0, FINE), (60.0, BAD))
+]
 
 
-def test_each_field_that_decides_is_named():
-    magnifier = [
-        Trial(
-            "damping.torsional_magnifier", "torsional magnifier", value, "", status, value == 40.0
-        )
-        for value, status in ((25.0, BARRED), (40.0, FINE), (60.0, BAD))
-    ]
-    found = decide(FINE, steels((440e6, FINE), (590e6, FINE)) + magnifier)
-    assert (found.status, found.sentence) == (
-        "undecided",
-        "acceptable with a torsional magnifier of 40 (assumed), not with 60: give "
-        "damping.torsional_magnifier",
-    )
+@pytest.mark.parametrize(
+    ("verdict", "tried", "status", "told"),
+    [
+        (BAD, BEARINGS, "undecided", {"2e8 N/m", "2e9 N/m", "2e10 N/m", "bearings.stiffness"}),
+        (
+            FINE,
+            [*steels((440e6, FINE), (590e6, FINE)), *MAGNIFIERS],
+            "undecided",
+            {"40", "60", "damping.torsional_magnifier"},
+        ),
+        # A barred range that hangs on a value does not undo the verdict.
+        (BARRED, steels((440e6, BARRED), (590e6, FINE)), "acceptable", {"590 MPa", "440 MPa"}),
+    ],
+)
+def test_what_decides_is_named_with_its_values(verdict, tried, status, told):
+    found = decide(verdict, tried)
+    assert found.status == status
+    assert all(one in found.sentence for one in told)
 
 
-def test_a_barred_range_that_hangs_on_a_value_does_not_undo_the_verdict():
-    found = decide(BARRED, steels((440e6, BARRED), (590e6, FINE)))
-    assert (found.status, found.sentence) == (
-        "acceptable",
-        "no speeds need be barred with a tensile strength of 590 MPa, not with 440 MPa (assumed): give "
-        "limits.tensile_strength",
-    )
+test_impossible_limits_are_refused = refusals_of(
+    lambda values: given_limit(
+        "torque", **{"unit": "N m", "applies_to": "coupling", "source": "maker"} | values
+    ),
+    ({"value": 0.0}, "limit on torque of coupling"),
+    ({"value": 2.0, "passing": 1.0}, "limit on torque of coupling"),
+    ({"value": 2.0, "source": " "}, "limit on torque of coupling"),
+)
+test_refused = refusals(
+    ("tensile_strength", lambda: propulsion_shaft_limit(300e6, 0.3, 10.0)),
+    ("feature", lambda: propulsion_shaft_limit(500e6, 0.3, 10.0, feature="weld")),
+    ("strokes", lambda: crankshaft_limit(100.0, strokes=3)),
+    ("part", lambda: generator_set_limit(100.0, part="pump")),
+    ("critical", lambda: BarredRangeRule(10.0).bounds(20.0)),
+    ("yield_strength", lambda: crankshaft_material_factors(5e8, 6e8, alloy=True)),
+)

@@ -59,9 +59,8 @@ def closed(values):
     return np.append(values, values[0])
 
 
-def over_turn(angles, values):
+def over_turn(degrees, values):
     """Degrees and values with the closing sample, which the object leaves out."""
-    degrees = np.degrees(angles)
     return np.append(degrees, degrees[-1] + degrees[1] - degrees[0]), closed(values)
 
 
@@ -70,7 +69,7 @@ PLOTS = {
     "HingeMoment": (
         moment,
         {},
-        lambda o: {"hinge": over_turn(np.radians(o.angles_deg), 1e-3 * o.moment)},
+        lambda o: {"hinge": over_turn(o.angles_deg, 1e-3 * o.moment)},
     ),
     "HingeProfile": (
         profile,
@@ -80,21 +79,21 @@ PLOTS = {
     "HingeProfile, moment": (
         profile,
         {"show": "moment"},
-        lambda o: {"moment": over_turn(np.radians(o.angles_deg), 1e-3 * o.moment)},
+        lambda o: {"moment": over_turn(o.angles_deg, 1e-3 * o.moment)},
     ),
     "SteadyHingeTurn": (
         lambda: SteadyHingeTurn(ANGLES[:12], 9.0 + np.sin(ANGLES[:12]), 9.0, 0.0, 0.0),
         {},
-        lambda o: {"speed": over_turn(np.radians(o.angles_deg), RPM * o.speed)},
+        lambda o: {"speed": over_turn(o.angles_deg, RPM * o.speed)},
     ),
 }
 WRONG_OPTIONS = {"HingeProfile": (profile, {"show": ["heat"]})}
-# The object, and some columns of its table with their values and units.
+# The object, and some columns of its table with their unit and part of the object.
 TABLES = {
-    "HingeMoment": (moment, lambda o: {"hinge_moment": (o.moment, "N m")}),
-    "HingeProfile": (profile, lambda o: {"normal_force": (o.normal_force, "N")}),
+    "HingeMoment": (moment, {"hinge_moment": ("N m", "moment")}),
+    "HingeProfile": (profile, {"normal_force": ("N", "normal_force")}),
     "SteadyHingeTurn": (
         lambda: SteadyHingeTurn(ANGLES, 1.0 + np.arange(24.0), 9.0, 0.0, 0.0),
-        lambda o: {"speed": (o.speed, "rad/s")},
+        {"speed": ("rad/s", "speed")},
     ),
 }
