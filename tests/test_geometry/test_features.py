@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.errors import InputError
 from geometry.gmsh_session import gmsh_session
 from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mesh import check_solid, mesh_throw, solid_properties
@@ -15,6 +14,7 @@ from geometry.solid import OIL_HOLE, build_solid, on_drilling
 from geometry.throw import CrankThrow
 from geometry.throw_checks import FIRST_EIGHT, fits_plainly
 from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, ThrowDimensions, Web
+from refusals import refused
 
 HOLE = {"part": "pin", "diameter": 0.02}
 
@@ -152,9 +152,9 @@ def test_a_rounding_belongs_to_the_oil_hole_if_it_is_at_its_exit(build, share, b
 
 def test_a_part_that_the_symmetry_does_not_allow_is_refused(build):
     throw = build(**FEATURES["unequal webs"])
-    with pytest.raises(InputError, match="no such symmetry"):
+    with refused("part"):
         mesh_throw(throw, 2.0, "quarter")
-    with pytest.raises(InputError, match="allowed are auto, quarter, half, full"):
+    with refused("part"):
         mesh_throw(throw, 2.0, "eighth")
 
 
@@ -177,35 +177,12 @@ def test_described_from_the_other_end_it_is_the_same_part(build, feature):
     assert second.inertia == close(swap @ turned.inertia @ swap, abs=1e-6 * scale)
 
 
-def test_bored_and_filled(build):
-    """A bore weighs what its cylinder weighed; it ends where it meets the other journal."""
-    plain, bored = build(), build(pin_bore=0.08)
-    length = plain.pin_length + 2.0 * plain.web_thickness
-    assert plain.volume - bored.volume == close(math.pi / 4.0 * 0.08**2 * length, rel=1e-9)
-
-
 def test_counterweights_add_their_sector(build):
     radius, angle = 0.25, math.pi
     throw = build(counterweight=Counterweight(outer_radius=radius, angle=angle))
     foot = build().web_width / 2.0
     added = 2.0 * throw.web_thickness * angle / 2.0 * (radius**2 - foot**2)
     assert throw.volume - build().volume == close(added, rel=1e-9)
-
-
-@pytest.mark.parametrize("drop", ["web_tip_thickness", "web_foot_thickness"])
-def test_a_slope_takes_off_a_wedge(build, drop):
-    """Of a web with straight sides the wedge is a prism."""
-    rectangle = {"web_outline": "rectangle"}
-    plain, thin = build(**rectangle), build(**rectangle, **{drop: 0.048})
-    margin = 0.02
-    if drop == "web_tip_thickness":
-        start = plain.main_journal_diameter * (0.5 + margin) + plain.fillet_radius
-        run = plain.crank_radius + plain.web_width / 2.0 - start
-    else:
-        start = plain.pin_diameter * (0.5 + margin) + plain.fillet_radius
-        run = plain.crank_radius + plain.web_width / 2.0 - start
-    wedge = 0.5 * run * (plain.web_thickness - 0.048) * plain.web_width
-    assert plain.volume - thin.volume == close(2.0 * wedge, rel=1e-9)
 
 
 def test_the_order_of_fields_makes_no_difference(dimensions):
@@ -215,147 +192,77 @@ def test_the_order_of_fields_makes_no_difference(dimensions):
     assert np.array_equal(mesh_throw(forward, 2.0).points, mesh_throw(backward, 2.0).points)
 
 
-# What is refused: the change, and words of the sentence.
+def holes(*changes, **more):
+    return {"oil_holes": [HOLE | change for change in changes or ({},)]} | more
+
+
+def weight(outer_radius, angle, **more):
+    return {"counterweight": Counterweight(outer_radius=outer_radius, angle=angle, **more)}
+
+
+EXIT = {"exit_radius": 0.005}
+# What is refused: the change, the field, and numbers of what is allowed.
 REFUSED = [
-    ({"pin_bore": 0.17}, ["pin_bore", "0, or 9 mm to 162 mm", "wall"]),
-    ({"main_journal_bore": 0.004}, ["main_journal_bore", "does not matter"]),
-    ({"pin_bore": 0.12, "pin_bore_offset": 0.04}, ["pin_bore", "82 mm", "40 mm off its axis"]),
-    ({"pin_bore_offset": 0.01}, ["pin_bore_offset", "no bore"]),
-    ({"oil_holes": [HOLE | {"part": "web"}]}, [".part", "allowed are pin, left"]),
+    ({"pin_bore": 0.17}, "pin_bore", "0, or 9 mm to 162 mm"),
+    ({"main_journal_bore": 0.004}, "main_journal_bore"),
+    ({"pin_bore": 0.12, "pin_bore_offset": 0.04}, "pin_bore", "82 mm", "40 mm"),
+    ({"pin_bore_offset": 0.01}, "pin_bore_offset"),
+    (holes({"part": "web"}), "oil_holes[0].part"),
+    (holes({"diameter": 0.2}), "oil_holes[0].diameter", "3.6 mm to 72 mm"),
+    (holes({"exit_radius": 0.0005}), "oil_holes[0].exit_radius", "0, or 1 mm to 20 mm"),
+    (holes({"position": 0.06}), "oil_holes[0].position", "-45.7 mm to 45.7 mm"),
+    (holes({}, {"part": "left main journal"}), "oil_holes[1].position"),
+    (holes({"diameter": 0.06, "tilt": 0.6}), "oil_holes[0].diameter", "111.4 mm"),
+    (holes({}, {"angle": 1.0}), "oil_holes[1]", "oil_holes[0]", "2 mm"),
+    (holes(EXIT, EXIT | {"position": 0.03}), "oil_holes[1]", "oil_holes[0]"),
+    (holes({"diameter": 0.06}, pin_bore=0.06), "oil_holes[0].diameter", "57 mm"),
     (
-        {"oil_holes": [HOLE | {"diameter": 0.2}]},
-        ["oil_holes[0].diameter", "200 mm", "3.6 mm to 72 mm", "leaves too little"],
+        holes({"angle": 0.5 * math.pi}, pin_bore=0.06, pin_bore_offset=0.035),
+        *("oil_holes[0].angle", "90 deg", "35 mm"),
     ),
-    (
-        {"oil_holes": [HOLE | {"exit_radius": 0.0005}]},
-        ["exit_radius", "0, or 1 mm to 20 mm", "sharp edge"],
-    ),
-    (
-        {"oil_holes": [HOLE | {"position": 0.06}]},
-        ["oil_holes[0].position", "-45.7 mm to 45.7 mm", "crankpin's fillet"],
-    ),
-    (
-        {"oil_holes": [HOLE, HOLE | {"part": "left main journal"}]},
-        ["oil_holes[1].position", "throw ends in the middle of the main journal"],
-    ),
-    (
-        {"oil_holes": [HOLE | {"diameter": 0.06, "tilt": 0.6}]},
-        [
-            "oil_holes[0].diameter",
-            "at most 111.4 mm along the shaft",
-            "no more between its fillets",
-        ],
-    ),
-    (
-        {"oil_holes": [HOLE, HOLE | {"angle": 1.0}]},
-        ["oil_holes[1]", "runs into oil_holes[0]", "leave 2 mm"],
-    ),
-    (
-        {"oil_holes": [HOLE | {"position": z, "exit_radius": 0.005} for z in (0.0, 0.03)]},
-        ["oil_holes[1]", "comes out into the exit of oil_holes[0]"],
-    ),
-    (
-        {"oil_holes": [HOLE | {"diameter": 0.06}], "pin_bore": 0.06},
-        ["oil_holes[0].diameter", "at most 57 mm", "whole width"],
-    ),
-    (
-        {
-            "oil_holes": [HOLE | {"angle": 0.5 * math.pi}],
-            "pin_bore": 0.06,
-            "pin_bore_offset": 0.035,
-        },
-        ["oil_holes[0].angle", "90 deg", "passes the hole's at 35 mm"],
-    ),
-    (
-        {"oil_holes": [HOLE | {"exit_radius": 0.018}], "pin_bore": 0.15},
-        ["exit_radius", "2 mm of straight hole"],
-    ),
-    ({"main_journal_bore": 0.18, "pin_bore": 0.15}, ["leave 5 mm between them", "must not meet"]),
-    ({"web_corner_radius": 0.01}, ["no corners"]),
+    (holes({"exit_radius": 0.018}, pin_bore=0.15), "oil_holes[0].exit_radius", "2 mm"),
+    ({"main_journal_bore": 0.18, "pin_bore": 0.15}, "pin_bore", "5 mm"),
+    ({"web_corner_radius": 0.01}, "web_corner_radius"),
     (
         {"web_outline": "rectangle", "web_corner_chamfer": 0.13, "web_pin_end": 0.11},
-        ["throw.fillet_radius", "crankpin"],
+        "fillet_radius",
     ),
-    ({"web_pin_end": 0.08}, ["pin_diameter", "outside the web"]),
-    (
-        {"web_journal_end": 0.14, "web_pin_end": 0.14},
-        ["web_journal_end: in the left web", "150 mm or more"],
-    ),
-    ({"web_tip_thickness": 0.07}, ["web_tip_thickness", "20.4 mm to 68 mm"]),
+    ({"web_pin_end": 0.08}, "pin_diameter"),
+    ({"web_journal_end": 0.14, "web_pin_end": 0.14}, "web_journal_end", "150 mm or more"),
+    ({"web_tip_thickness": 0.07}, "web_tip_thickness", "20.4 mm to 68 mm"),
     (
         {"crank_radius": 0.02, "main_journal_diameter": 0.276, "web_tip_thickness": 0.05},
-        ["web_tip_thickness", "only 68 mm", "no room"],
+        *("web_tip_thickness", "68 mm"),
     ),
-    (
-        {"counterweight": Counterweight(outer_radius=0.15, angle=2.0)},
-        ["counterweight.outer_radius", "153 mm or more"],
-    ),
-    (
-        {"counterweight": Counterweight(outer_radius=0.25, inner_radius=0.14, angle=2.0)},
-        ["counterweight.inner_radius", "0 to 135 mm"],
-    ),
-    (
-        {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.09)},
-        ["counterweight.inner_radius", "main bearing", "clear"],
-    ),
-    (
-        {
-            "counterweight": Counterweight(
-                outer_radius=0.25, inner_radius=0.13, angle=2.0, thickness=0.25
-            )
-        },
-        ["counterweight.thickness", "neighboring"],
-    ),
-    (
-        {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.02, offset=0.06)},
-        ["counterweight.offset", "shared"],
-    ),
-    (
-        {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.0675)},
-        ["counterweight.thickness", "cannot be meshed"],
-    ),
-    ({"further_pins": (FurtherPin(angle=2.0, web_thickness=0.0),)}, ["split pin", "hold together"]),
-    ({"left_web": Web(thickness=0.005)}, ["left_web.thickness", "thinner"]),
-    (
-        {"web_width": 0.264001, "fillet_radius": 0.022, "pin_diameter": 0.18},
-        ["throw.fillet_radius", "exactly", "too close to be meshed"],
-    ),
-    (
-        {"web_outline": "rectangle", "web_corner_radius": 1e-5},
-        ["web_corner_radius", "0, or 3 mm or more"],
-    ),
-    (
-        {"right_web": Web(pin_end=0.150001)},
-        ["right_web.pin_end", "150 mm, or a value 0.3 mm or more off it"],
-    ),
-    ({"further_pins": (FurtherPin(angle=1e-7),)}, ["further_pins", "0 or 0.9 mm or more"]),
-    (
-        {"further_pins": (FurtherPin(angle=2.0, diameter=0.35),)},
-        ["further_pins[0].diameter", "outside the"],
-    ),
+    (weight(0.15, 2.0), "counterweight.outer_radius", "153 mm or more"),
+    (weight(0.25, 2.0, inner_radius=0.14), "counterweight.inner_radius", "0 to 135 mm"),
+    (weight(0.25, 2.0, thickness=0.09), "counterweight.inner_radius"),
+    (weight(0.25, 2.0, inner_radius=0.13, thickness=0.25), "counterweight.thickness"),
+    (weight(0.25, 2.0, thickness=0.02, offset=0.06), "counterweight.offset"),
+    (weight(0.25, 2.0, thickness=0.0675), "counterweight.thickness"),
+    ({"further_pins": (FurtherPin(angle=2.0, web_thickness=0.0),)}, "further_pins"),
+    ({"left_web": Web(thickness=0.005)}, "left_web.thickness"),
+    ({"web_width": 0.264001, "fillet_radius": 0.022, "pin_diameter": 0.18}, "fillet_radius"),
+    ({"web_outline": "rectangle", "web_corner_radius": 1e-5}, "web_corner_radius", "3 mm"),
+    ({"right_web": Web(pin_end=0.150001)}, "right_web.pin_end", "150 mm", "0.3 mm"),
+    ({"further_pins": (FurtherPin(angle=1e-7),)}, "further_pins", "0.9 mm or more"),
+    ({"further_pins": (FurtherPin(angle=2.0, diameter=0.35),)}, "further_pins[0].diameter"),
 ]
 
 
-@pytest.mark.parametrize(("changes", "words"), REFUSED)
-def test_what_cannot_be_built_is_refused_with_its_reason(build, changes, words):
-    with pytest.raises(InputError) as caught:
+@pytest.mark.parametrize("row", REFUSED)
+def test_what_cannot_be_built_is_refused_with_its_reason(build, row):
+    changes, field, *numbers = row
+    with refused(f"throw.{field}") as caught:
         build(**changes)
-    message = str(caught.value)
-    assert message.startswith("throw.")
-    assert message.endswith(".")
-    assert "\n" not in message
-    for word in words:
-        assert word in message
+    assert all(number in str(caught.value) for number in numbers)
 
 
 def test_a_bore_that_comes_out_in_the_other_fillet_is_remarked(build):
     assert build(pin_bore=0.05, pin_bore_offset=0.02).remarks == ()
     # The pin's collar reaches to 170 - 90 - 12 = 68 mm from the shaft axis.
     assert build(main_journal_bore=0.130).remarks == ()
-    (left, right) = build(main_journal_bore=0.140).remarks
-    assert "bore of the main journal cuts the fillet or the surface of the crankpin" in left
-    assert "at the left web" in left
-    assert "at the right web" in right
+    assert len(build(main_journal_bore=0.140).remarks) == 2
 
 
 def test_other_dimensions_are_left_to_the_whole_check():

@@ -34,6 +34,7 @@ from geometry.mesh import mesh_throw
 from geometry.solid_files import MESH_ENDINGS, write_mesh, write_step
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
+from refusals import refused
 from regression.law.throw_law import mass_law
 
 
@@ -337,18 +338,18 @@ def test_values_at_nodes_travel(mesh, tmp_path):
     values = {"displacement": mesh.points * 2.0}
     read = meshio.read(write_mesh(mesh, tmp_path / "throw.vtu", values))
     assert read.point_data["displacement"] == close(mesh.points * 2.0)
-    with pytest.raises(InputError, match=r"point_data: given 'displacement'.*allowed is \.vtu"):
+    with refused("point_data"):
         write_mesh(mesh, tmp_path / "throw.msh", values)
-    with pytest.raises(InputError, match=r"point_data\['short'\]: given an array of shape"):
+    with refused("point_data['short']"):
         write_mesh(mesh, tmp_path / "throw.vtu", {"short": np.zeros(3)})
 
 
 def test_unknown_endings_and_missing_folders(mesh, tmp_path):
     for ending in (".bdf", ".vtk", ".ply", ".obj"):
-        with pytest.raises(InputError, match=rf"'\{ending}'; allowed for a mesh are \.msh"):
+        with refused(f"throw{ending}"):
             write_mesh(mesh, tmp_path / f"throw{ending}")
     for name, given in (("mesh", (3, "throw.inp")), ("path", (mesh, 3))):
-        with pytest.raises(InputError, match=f"{name}: given 3"):
+        with refused(name):
             write_mesh(*given)
     for ending in MESH_ENDINGS:
         with pytest.raises(InputError, match="cannot be written"):
@@ -379,29 +380,28 @@ def test_a_written_throw_is_read_by_its_names(dimensions, tmp_path, changes):
 def test_step_errors(dimensions, tmp_path):
     throw = CrankThrow(**dimensions)
     lopsided = CrankThrow(**dimensions, right_web=Web(thickness=0.05))
-    with pytest.raises(InputError, match="no such symmetry"):
-        write_step(lopsided, tmp_path / "throw.step", "quarter")
-    with pytest.raises(InputError, match="allowed are auto, quarter"):
-        write_step(throw, tmp_path / "throw.step", "third")
-    with pytest.raises(InputError, match=r"allowed are \.step, \.stp"):
-        write_step(throw, tmp_path / "throw.iges")
+    for field, part, *given in (
+        ("part", lopsided, tmp_path / "throw.step", "quarter"),
+        ("part", throw, tmp_path / "throw.step", "third"),
+        ("throw.iges", throw, tmp_path / "throw.iges"),
+    ):
+        with refused(field):
+            write_step(part, *given)
     with pytest.raises(InputError, match="cannot be written"):
         write_step(throw, tmp_path / "nowhere" / "throw.step")
 
 
 @pytest.mark.parametrize(
-    "door",
+    ("field", "door"),
     [
-        lambda throw: write_step(throw, "throw.step"),
-        lambda throw: throw_masses(throw, 7850.0),
-        mass_law,
-        lambda throw: Crankshaft([throw], crank_angles_deg=[0.0]),
-        lambda throw: shaft_compliances([throw], crank_angles_deg=[0.0]),
-        lambda throw: write_mesh(throw, "throw.msh"),
+        ("solid", lambda throw: write_step(throw, "throw.step")),
+        ("throw", lambda throw: throw_masses(throw, 7850.0)),
+        ("throw", mass_law),
+        ("throws[0]", lambda throw: Crankshaft([throw], crank_angles_deg=[0.0])),
+        ("throws[0]", lambda throw: shaft_compliances([throw], crank_angles_deg=[0.0])),
+        ("mesh", lambda throw: write_mesh(throw, "throw.msh")),
     ],
 )
-def test_a_throw_of_another_kind_is_refused_by_name(door):
-    with pytest.raises(
-        InputError, match=r"^(solid|throw|throws\[0\]|mesh): given .*; allowed is a"
-    ):
+def test_a_throw_of_another_kind_is_refused_by_name(field, door):
+    with refused(field):
         door(Path("throw.step"))

@@ -1,6 +1,7 @@
 """Gmsh in this process and in its own."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -9,7 +10,6 @@ from pathlib import Path
 from unittest import mock
 
 import gmsh
-import numpy as np
 import pytest
 
 from comparing import close, same_mesh
@@ -26,6 +26,7 @@ from geometry.gmsh_session import (
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
+from refusals import refused
 
 ROOT = Path(__file__).parents[2]
 OPTIONS = (
@@ -71,17 +72,13 @@ def state():
     )
 
 
-def test_nothing_stays_open(coarse_mesh):
-    assert not gmsh.isInitialized()
-
-
 def test_a_callers_session_survives_and_leaves_no_mark_on_the_mesh(
     own_session, coarse_mesh, dimensions
 ):
     before = state()
     mesh = mesh_throw(CrankThrow(**dimensions), 2.0)
     assert state() == before
-    assert np.array_equal(mesh.points, coarse_mesh.points)
+    assert same_mesh(mesh, coarse_mesh)
 
 
 def test_a_callers_model_of_the_same_name_survives(own_session):
@@ -102,29 +99,17 @@ def test_a_callers_session_survives_a_failure(own_session, dimensions):
     assert state() == before
 
 
-def test_own_session_is_closed_after_a_failure(dimensions):
-    with (
-        mock.patch("geometry.mesh.set_sizes", side_effect=RuntimeError("no sizes")),
-        pytest.raises(MeshError),
-    ):
-        mesh_throw(CrankThrow(**dimensions), 2.0)
-    assert not gmsh.isInitialized()
-
-
 @pytest.mark.parametrize(("library", "package"), DEBIAN_PACKAGES.items())
 def test_missing_library_names_the_debian_package(library, package):
-    advice = missing_library_advice(
-        f"{library}: cannot open shared object file: No such file or directory"
-    )
-    assert advice.startswith(f"gmsh needs the system library {library}; ")
+    advice = missing_library_advice(f"{library}: cannot open shared object file")
+    assert library in advice
     assert advice.endswith(f"apt-get install {package}")
 
 
 def test_unknown_missing_library_is_named():
     advice = missing_library_advice("libodd-2.so.7: cannot open shared object file")
-    assert "libodd-2.so.7" in advice
-    assert "install" in advice
-    assert "a system library" in missing_library_advice("something else")
+    assert re.search(r"libodd-2\.so\.7.*install", advice)
+    assert "install" in missing_library_advice("something else")
 
 
 def test_missing_system_library_is_reported():
@@ -190,7 +175,7 @@ def process():
 
 @pytest.mark.slow
 def test_errors_come_back_as_they_are(dimensions, process):
-    with pytest.raises(InputError, match="allowed are auto"):
+    with refused("part"):
         mesh_isolated(CrankThrow(**dimensions), 1.0, "eighth", process=process)
     with pytest.raises(InputError, match="unknowns"):
         mesh_isolated(CrankThrow(**dimensions), 0.02, process=process)

@@ -30,6 +30,7 @@ from geometry.solid import (
 )
 from geometry.step_file import decode_string, read_step
 from geometry.throw import CrankThrow
+from refusals import refused
 
 METER = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) )"
 MILLIMETER = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) )"
@@ -232,33 +233,25 @@ def test_breaks_comments_spaces_and_escapes_do_not_matter(named):
 
 
 @pytest.mark.parametrize(
-    ("change", "complaint"),
+    "change",
     [
-        (lambda text: "solid" + text, "allowed is a STEP file"),
-        (lambda text: text.replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"), "a solid;"),
-        (lambda text: text.replace("SI_UNIT($,.METRE.)", "SI_UNIT($,.GRAM.)"), "unit of length"),
-        (lambda text: text.replace("LENGTH_UNIT()", ""), "no unit of length"),
-        (lambda text: re.sub(r"#\d+ = CARTESIAN_POINT[^;]*;", "", text), "cannot be understood"),
-        (
-            lambda text: text.replace(METER, CONVERTED.format(name="ELL")).replace(
-                "DATA;", f"DATA;#900001={CONVERTED.format(name='INCH')};"
-                "#900002=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(45.),#900001);", 1
-            ),
-            "unit of length ELL",
+        lambda text: "solid" + text,
+        lambda text: text.replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"),
+        lambda text: text.replace("SI_UNIT($,.METRE.)", "SI_UNIT($,.GRAM.)"),
+        lambda text: text.replace("LENGTH_UNIT()", ""),
+        lambda text: re.sub(r"#\d+ = CARTESIAN_POINT[^;]*;", "", text),
+        lambda text: text.replace(METER, CONVERTED.format(name="ELL")).replace(
+            "DATA;", f"DATA;#900001={CONVERTED.format(name='INCH')};"
+            "#900002=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(45.),#900001);", 1
         ),
+        # Units that differ within a file.
+        lambda text: text.replace("DATA;", f"DATA;#900000={MILLIMETER};"
+            "#900001=(GLOBAL_UNIT_ASSIGNED_CONTEXT((#900000)));", 1),
     ],
 )  # fmt: skip
-def test_files_that_cannot_be_used(named, change, complaint):
-    with pytest.raises(InputError, match=complaint) as raised:
+def test_files_that_cannot_be_used(named, change):
+    with refused("x.step"):
         read_step(change(named).encode(), "x.step")
-    assert str(raised.value).startswith("x.step: given ")
-    assert str(raised.value).count(". ") == 0
-
-
-def test_units_that_differ_within_a_file(named):
-    more = f"#900000={MILLIMETER};#900001=(GLOBAL_UNIT_ASSIGNED_CONTEXT((#900000)));"
-    with pytest.raises(InputError, match="2 different units of length"):
-        read_step(named.replace("DATA;", f"DATA;{more}", 1).encode(), "x.step")
 
 
 # --- import -------------------------------------------------------------------------------------
@@ -267,11 +260,7 @@ def test_units_that_differ_within_a_file(named):
 def test_without_names_the_same_is_found_by_shape(throw, plain, imported, folder):
     found = import_throw(write(folder / "plain.step", plain))
     assert_same_throw(found, throw)
-    assert [remark.split(" was")[0].split(" were")[0] for remark in found.remarks] == [
-        "The left end",
-        "The right end",
-        "The pins",
-    ]
+    assert len(found.remarks) == 3
     assert "diameter 180 mm at 170 mm" in found.remarks[-1]
     kept = {"path": "", "digest": "", "remarks": ()}
     assert replace(found, **kept) == replace(imported, **kept)
@@ -429,103 +418,85 @@ def rename(text, old, new):
     return text.replace(f"ADVANCED_FACE('{old}'", f"ADVANCED_FACE('{new}'")
 
 
-def a_name_for(kind_wanted, where, name=PIN):
-    def choose(kind, point, radius):
-        return name if kind == kind_wanted and where(point, radius) else "other"
-
-    return choose
-
-
 @pytest.mark.parametrize(
-    ("change", "arguments", "complaint"),
+    ("change", "arguments", "field"),
     [
-        (lambda t: t, {"left_end": "free end"}, "left_end: given 'free end'; allowed are the"),
-        (lambda t: t, {"pins": ("pin", "pin 2")}, "pins: given 'pin 2'; .* 'pin'"),
-        (lambda t: t, {"pins": ()}, "pins: given no names"),
-        (lambda t: t, {"pins": ("pin", "PIN")}, "two names for one pin"),
-        (lambda t: t, {"left_end": "pin"}, "a face on a CYLINDRICAL_SURFACE; allowed is a plane"),
-        (lambda t: t, {"pins": ("left end",)}, "a face on a PLANE; allowed is a cylinder"),
-        (lambda t: t, {"left_end": "right end", "right_end": "left end"}, "left_end: given 'right"),
+        (lambda t: t, {"left_end": "free end"}, "left_end"),
+        (lambda t: t, {"pins": ("pin", "pin 2")}, "pins"),
+        (lambda t: t, {"pins": ()}, "pins"),
+        (lambda t: t, {"pins": ("pin", "PIN")}, "pins"),
+        (lambda t: t, {"left_end": "pin"}, "left_end"),
+        (lambda t: t, {"pins": ("left end",)}, "pins"),
+        (lambda t: t, {"left_end": "right end", "right_end": "left end"}, "left_end"),
         (
             lambda t: rename(t, LEFT_END, PIN + " side"),
             {"left_end": None, "right_end": "pin side"},
-            "right_end: given 'pin side' at z = 0 m",
+            "right_end",
         ),
-        (lambda t: t.replace(METER, MILLIMETER), {}, "0.000395 m long; .* unit of length"),
-        (lambda t: t.replace(METER, METER.replace("$", ".KILO.")), {}, "395 m long; .* unit of"),
+        (lambda t: t.replace(METER, MILLIMETER), {}, "refused.step"),
+        (lambda t: t.replace(METER, METER.replace("$", ".KILO.")), {}, "refused.step"),
     ],
 )
-def test_imports_that_cannot_be(named, folder, change, arguments, complaint):
+def test_imports_that_cannot_be(named, folder, change, arguments, field):
     path = write(folder / "refused.step", change(named))
-    with pytest.raises(InputError, match=complaint) as raised:
+    with refused(field):
         import_throw(path, **arguments)
-    assert str(raised.value).endswith(".")
-    assert ". " not in str(raised.value)
 
 
 @pytest.mark.parametrize(
-    ("choose", "field", "complaint"),
+    ("field", "kind", "where"),
     [
-        (
-            a_name_for("CYLINDRICAL_SURFACE", lambda p, r: np.hypot(*p[:2]) < 1e-6 and r < 0.12),
-            "pins",
-            "about the shaft axis; allowed is one beside it",
-        ),
-        (
-            a_name_for("PLANE", lambda p, _: abs(abs(p[0]) - 0.15) < 1e-6),
-            "left_end",
-            "a plane that is not normal to z",
-        ),
-        (
-            a_name_for("PLANE", lambda p, _: abs(p[2] - 0.06) < 1e-6 and abs(p[0]) < 0.1),
-            "left_end",
-            "at z = 0.06 m; allowed is the end",
-        ),
+        ("pins", "CYLINDRICAL_SURFACE", lambda p, r: np.hypot(*p[:2]) < 1e-6 and r < 0.12),
+        ("left_end", "PLANE", lambda p, _: abs(abs(p[0]) - 0.15) < 1e-6),
+        ("left_end", "PLANE", lambda p, _: abs(p[2] - 0.06) < 1e-6 and abs(p[0]) < 0.1),
     ],
 )
-def test_named_faces_in_wrong_places(plain, folder, choose, field, complaint):
+def test_named_faces_in_wrong_places(plain, folder, field, kind, where):
+    def choose(own, point, radius):
+        return PIN if own == kind and where(point, radius) else "other"
+
     path = write(folder / "wrong.step", name_faces(plain, choose))
-    arguments = {"left_end": None, "right_end": None, "pins": None}
+    arguments = dict.fromkeys(("left_end", "right_end", "pins"))
     arguments[field] = (PIN,) if field == "pins" else PIN
-    with pytest.raises(InputError, match=f"{field}: given 'pin'.*{complaint}"):
+    with refused(field):
         import_throw(path, **arguments)
 
 
 def test_one_name_for_two_pins(two_pins, folder):
     usual = usual_names(two_pins)
     text = name_faces(step_text(two_pins), lambda *at: usual(*at).removesuffix(" 2"))
-    with pytest.raises(InputError, match="'pin' for 2 different cylinders"):
+    with refused("pins"):
         import_throw(write(folder / "twice.step", text))
 
 
 @pytest.mark.parametrize(
-    ("build", "complaint"),
+    ("build", "field"),
     [
-        (lambda occ: (occ.addBox(0, 0, 0, 1, 1, 1), occ.addBox(3, 0, 0, 1, 1, 1)), "2 solids"),
-        (lambda occ: occ.addBox(0, 0, 0, 1, 1, 1), "left_end: .* without a cylinder about the z"),
-        (lambda occ: occ.addCylinder(0, 0, 0, 0, 0, 1, 0.1), "pins: .* without a round cylinder"),
-        (lambda occ: occ.addSphere(0, 0, 0, 1), "left_end: .* without a plane face normal to z"),
-        (
-            lambda occ: occ.fuse(
-                [(3, occ.addCylinder(0, 0, 0, 0, 0, 1, 0.1))],
-                [(3, occ.addCylinder(0, 0, 0.5, 0, 0.5, 0, 0.1))],
-            ),
-            "pins: given 'pin', a cylinder that is not parallel to z",
-        ),
+        (lambda occ: (occ.addBox(0, 0, 0, 1, 1, 1), occ.addBox(3, 0, 0, 1, 1, 1)), "odd.step"),
+        (lambda occ: occ.addBox(0, 0, 0, 1, 1, 1), "left_end"),
+        (lambda occ: occ.addCylinder(0, 0, 0, 0, 0, 1, 0.1), "pins"),
+        (lambda occ: occ.addSphere(0, 0, 0, 1), "left_end"),
     ],
 )
-def test_parts_that_are_no_throws(folder, build, complaint):
+def test_parts_that_are_no_throws(folder, build, field):
     text = step_text(None, build=lambda gmsh: build(gmsh.model.occ))
-    names = "not parallel" in complaint
-    if names:
-        count = iter(range(100))
-        text = re.sub(r"ADVANCED_FACE\(''", lambda _: f"ADVANCED_FACE('f{next(count)}'", text)
-        faces = read_step(text.encode(), "x.step").faces
-        across = next(f for f in faces if f.kind == "CYLINDRICAL_SURFACE" and abs(f.axis[2]) < 0.5)
-        text = rename(text, across.name, PIN)
-    path = write(folder / "odd.step", text)
-    with pytest.raises(InputError, match=complaint):
-        import_throw(path, None, None) if names else import_throw(path)
+    with refused(field):
+        import_throw(write(folder / "odd.step", text))
+
+
+def test_a_pin_across_the_shaft_is_refused(folder):
+    def build(gmsh):
+        occ = gmsh.model.occ
+        shaft, pin = (occ.addCylinder(0, 0, *way, 0.1) for way in ((0, 0, 0, 1), (0.5, 0, 0.5, 0)))
+        occ.fuse([(3, shaft)], [(3, pin)])
+
+    count = iter(range(100))
+    text = step_text(None, build=build)
+    text = re.sub(r"ADVANCED_FACE\(''", lambda _: f"ADVANCED_FACE('f{next(count)}'", text)
+    faces = read_step(text.encode(), "x.step").faces
+    across = next(f for f in faces if f.kind == "CYLINDRICAL_SURFACE" and abs(f.axis[2]) < 0.5)
+    with refused("pins"):
+        import_throw(write(folder / "odd.step", rename(text, across.name, PIN)), None, None)
 
 
 def test_an_inclined_shaft_is_refused(throw, folder):
@@ -534,15 +505,14 @@ def test_an_inclined_shaft_is_refused(throw, folder):
         gmsh.model.occ.rotate([solid], 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1e-3)
 
     path = write(folder / "inclined.step", step_text(throw, build=build))
-    with pytest.raises(InputError, match="left_end: given a part without a plane face normal to z"):
+    with refused("left_end"):
         import_throw(path)
 
 
 def test_a_file_that_is_not_there(folder):
-    with pytest.raises(InputError, match="does not exist; give the path of a STEP file"):
-        import_throw(folder / "missing.step")
-    with pytest.raises(InputError, match="is a folder, not a file"):
-        import_throw(folder)
+    for path in (folder / "missing.step", folder):
+        with pytest.raises(InputError, match=r"does not exist|is a folder"):
+            import_throw(path)
 
 
 @pytest.mark.slow
@@ -568,7 +538,7 @@ def test_failed_ways_are_passed_over_and_recorded(imported):
 
 
 def test_too_fine_a_mesh_is_refused(imported):
-    with pytest.raises(InputError, match=r"size_factor: given 0\.1, which would make about"):
+    with refused("size_factor"):
         imported.meshed(0.1)
 
 
@@ -576,7 +546,7 @@ def test_a_changed_file_is_refused(named, folder):
     path = write(folder / "changed.step", named)
     imported = import_throw(path)
     write(path, named.replace("Author", "Other"))
-    with pytest.raises(InputError, match="a file that has changed since it was imported"):
+    with pytest.raises(InputError, match="changed"):
         imported.meshed()
     path.unlink()
     with pytest.raises(InputError, match="does not exist"):

@@ -29,6 +29,7 @@ from geometry.shapes import (
 from geometry.sizes import SizeMap, regular_volume
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MAIN_JOURNAL, MIDDLE_PLANE, PIN, WEB
 from geometry.throw import CrankThrow
+from refusals import refused
 
 VARIANTS = {
     "plain": {},
@@ -135,12 +136,7 @@ def test_bit_identical_wherever_it_runs(dimensions, coarse_mesh):
         away = processes.submit(mesh_throw, throw, 2.0)
         meshes = [mesh_throw(throw, 2.0), threads.submit(mesh_throw, throw, 2.0).result()]
         meshes.append(away.result(timeout=120))
-    for mesh in meshes:
-        assert np.array_equal(mesh.points, coarse_mesh.points)
-        assert np.array_equal(mesh.elements, coarse_mesh.elements)
-        assert mesh.surfaces.keys() == coarse_mesh.surfaces.keys()
-        for name, facets in mesh.surfaces.items():
-            assert np.array_equal(facets, coarse_mesh.surfaces[name])
+    assert all(same_mesh(mesh, coarse_mesh) for mesh in meshes)
 
 
 def straight_tetrahedra(corners, connections):
@@ -217,10 +213,9 @@ def test_meshes_leave_no_types_of_arrays_behind(dimensions):
 def test_a_mesh_of_another_volume_is_refused_with_both_volumes(dimensions):
     mesh = mesh_throw(CrankThrow(**dimensions), 3.0)
     check_volume(mesh.points, mesh.elements, mesh.solid)
-    with pytest.raises(MeshError, match=r"has a volume of .* m\^3, the solid .* more than 0.1 %"):
-        check_volume(1.001 * mesh.points, mesh.elements, mesh.solid)
-    with pytest.raises(MeshError, match="volume of nan"):
-        check_volume(np.nan * mesh.points, mesh.elements, mesh.solid)
+    for factor in (1.001, np.nan):
+        with pytest.raises(MeshError, match=r"volume of .* 0.1 %"):
+            check_volume(factor * mesh.points, mesh.elements, mesh.solid)
 
 
 def test_a_mesh_that_misses_the_volume_is_made_again_finer(dimensions, monkeypatch):
@@ -385,12 +380,6 @@ def test_the_factor_scales_the_map(map_throw, graded):
     assert same_mesh(found, expected)
 
 
-def test_the_mesh_is_checked_as_others_are(map_throw, made):
-    volume = element_volumes(made.points, made.elements).sum()
-    assert 4.0 * made.solid.volume == close(map_throw.volume, rel=1e-9)
-    assert volume == close(made.solid.volume, rel=1e-3)
-
-
 @pytest.mark.slow
 def test_a_map_whose_mesh_is_refused_is_meshed_finer(map_throw, graded, monkeypatch):
     def refuse(*_):
@@ -406,7 +395,7 @@ def test_a_map_whose_mesh_is_refused_is_meshed_finer(map_throw, graded, monkeypa
 def test_too_many_unknowns_are_refused_before_meshing(map_throw, graded):
     factor = 0.5 * (graded.expected_unknowns() / 1_500_000) ** (1.0 / 3.0)
     for mesher in (mesh_throw, mesh_isolated):
-        with pytest.raises(InputError, match=r"^size_factor: given .*; allowed are 1,500,000"):
+        with refused("size_factor"):
             mesher(map_throw, factor, sizes=graded)
 
 

@@ -9,27 +9,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import geometry.mesh
-from comparing import close
+from comparing import close, same_mesh
 from crankbase.errors import InputError, MeshError
 from geometry import crankshaft
 from geometry.crankshaft import Crankshaft, ShaftEnds, make_shaft, throw_masses, throw_solid
 from geometry.gmsh_session import IsolatedProcess, gmsh_session
-from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_properties, unbalance
+from geometry.mass import cylinder_mass_properties, mass_properties, unbalance
 from geometry.mesh import SolidKeeper, mesh_throw, solid_properties
 from geometry.mesher import mesh_isolated
 from geometry.parts import Arc, obround, rectangle, scaled_parts
 from geometry.sizes import element_sizes, sizes_at_corners
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight, FurtherPin, OilHole, Web
-
-
-def same(first, second):
-    return (
-        np.array_equal(first.points, second.points)
-        and np.array_equal(first.elements, second.elements)
-        and first.surfaces.keys() == second.surfaces.keys()
-        and all(np.array_equal(first.surfaces[n], second.surfaces[n]) for n in first.surfaces)
-    )
+from refusals import refused
 
 
 @pytest.fixture
@@ -60,7 +52,7 @@ def test_meshes_of_a_kept_solid_are_bit_identical(bored, keeper, part):
     kept = []
     for expected, made_with in (coarse, None), (mapped, sizes), (coarse, None), (mapped, sizes):
         found = mesh_throw(bored, 3.0 if made_with is None else 0.9, part, made_with)
-        assert same(found, expected)
+        assert same_mesh(found, expected)
         kept.append(found.geometry_seconds)
     assert kept[0] > 0.0
     assert kept[1:] == [0.0, 0.0, 0.0]
@@ -76,9 +68,9 @@ def test_one_solid_is_kept_at_most_and_without_its_mesh(dimensions, bored, keepe
         assert mesh.geometry_seconds > 0.0
         if throw is drilled:
             expected = expected or mesh
-            assert same(mesh, expected)
+            assert same_mesh(mesh, expected)
             again = mesh_throw(throw, 3.0)
-            assert same(again, expected)
+            assert same_mesh(again, expected)
             assert again.geometry_seconds == 0.0
         assert gmsh.model.list() == ["", "throw"]  # gmsh always has the first
         assert len(gmsh.model.getEntities(3)) == 1
@@ -107,7 +99,7 @@ def test_a_solid_that_could_not_be_meshed_is_not_kept(dimensions, coarse_mesh, k
         with pytest.raises(MeshError, match="refused"):
             mesh_throw(throw, 2.0)
     assert not gmsh.isInitialized()
-    assert same(mesh_throw(throw, 2.0), coarse_mesh)
+    assert same_mesh(mesh_throw(throw, 2.0), coarse_mesh)
 
 
 @pytest.mark.slow
@@ -120,7 +112,7 @@ def test_a_process_of_ours_keeps_the_solid_and_a_fresh_one_builds_it_again(dimen
         meshes.append(mesh_isolated(throw, 2.0, process=process))
     finally:
         process.close()
-    assert all(same(mesh, coarse_mesh) for mesh in meshes)
+    assert all(same_mesh(mesh, coarse_mesh) for mesh in meshes)
     assert [mesh.geometry_seconds > 0.0 for mesh in meshes] == [True, False, True]
     assert not gmsh.isInitialized()
 
@@ -219,16 +211,16 @@ def test_a_rectangle_rounded_to_the_full_is_an_obround():
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
+    "make",
     [
-        (lambda: obround(0.3, 0.1, 0.12, 0.17), "150 mm or more"),
-        (lambda: obround(0.3, 0.3, 0.1, 0.17), "swallows"),
-        (lambda: rectangle(0.3, 0.15, 0.15, 0.17, 0.2, 0.0), "at most 150 mm"),
-        (lambda: rectangle(0.3, 0.15, 0.15, 0.17, 0.02, 0.02), "either rounded or cut"),
+        lambda: obround(0.3, 0.1, 0.12, 0.17),
+        lambda: obround(0.3, 0.3, 0.1, 0.17),
+        lambda: rectangle(0.3, 0.15, 0.15, 0.17, 0.2, 0.0),
+        lambda: rectangle(0.3, 0.15, 0.15, 0.17, 0.02, 0.02),
     ],
 )
-def test_impossible_outlines(make, words):
-    with pytest.raises(InputError, match=words):
+def test_impossible_outlines(make):
+    with pytest.raises(InputError, match="; allowed is "):
         make()
 
 
@@ -296,26 +288,6 @@ def test_mass_properties_against_the_composed_solid(dimensions, change):
     assert found.inertia_about_shaft == close(about_shaft, rel=1e-9)
 
 
-def test_mass_properties_of_the_whole_mirrored_mesh(dimensions, coarse_mesh):
-    """Sum over all four mirror images of the quarter, without using the symmetry."""
-    from geometry.shapes import element_quadrature
-
-    throw = CrankThrow(**dimensions)
-    found = mesh_mass_properties(coarse_mesh, DENSITY)
-    where, volumes = element_quadrature(coarse_mesh.points, coarse_mesh.elements)
-    images = []
-    for side in (1.0, -1.0):
-        images.append(where * (side, 1.0, 1.0))
-        images.append(images[-1] * (1.0, 1.0, -1.0) + (0.0, 0.0, throw.length))
-    points, masses = np.concatenate(images), DENSITY * np.tile(volumes, 4)
-    center = masses @ points / masses.sum()
-    arms = points - center
-    inertia = (masses * (arms**2).sum(axis=1)).sum() * np.eye(3) - arms.T * masses @ arms
-    assert found.mass == close(masses.sum(), rel=1e-12)
-    assert found.center == close(center, rel=1e-12, abs=1e-14)
-    assert found.inertia == close(inertia, rel=1e-11, abs=1e-11)
-
-
 @pytest.mark.parametrize(
     "density", [math.nan, math.inf, -7850.0, 0.0, 1e308, "7850", True, None, [7850.0]]
 )
@@ -330,7 +302,7 @@ def test_densities_of_no_body_are_refused(dimensions, density, monkeypatch):
         lambda: shaft.unbalance(density),
         lambda: cylinder_mass_properties(0.1, 0.0, 0.1, density),
     ):
-        with pytest.raises(InputError, match=r"^density: given .*; allowed are numbers above 0"):
+        with refused("density"):
             call()
 
 
@@ -413,14 +385,14 @@ def test_six_in_line_is_balanced_and_three_is_not(dimensions):
 
 def test_what_does_not_fit_together_is_refused(dimensions):
     throw = CrankThrow(**dimensions)
-    with pytest.raises(InputError, match="given 2 for 3 throws"):
+    with refused("crank_angles_deg"):
         Crankshaft([throw] * 3, crank_angles_deg=[0.0, 60.0])
     other = CrankThrow(**{**dimensions, "main_journal_diameter": 0.2})
-    with pytest.raises(InputError, match="share a main journal"):
+    with refused("throws"):
         Crankshaft([throw, other], crank_angles_deg=[0.0, 60.0])
     off = CrankThrow(**dimensions, main_journal_bore=0.06, main_journal_bore_offset=0.02)
     assert Crankshaft([off] * 2, crank_angles_deg=[0.0, 0.0]).length == close(2.0 * off.length)
-    with pytest.raises(InputError, match="finite"):
+    with refused("crank_angles_deg[0]"):
         Crankshaft([throw], crank_angles_deg=[float("nan")])
     with pytest.raises(InputError, match="flange_thickness: missing"):
         ShaftEnds(flange_diameter=0.4)
