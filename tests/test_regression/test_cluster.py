@@ -21,6 +21,7 @@ from crankbase.calls import Limits
 from crankbase.errors import InputError, MissingLibraryError
 from plans import SHARP, plan_of_levels
 from puppets import spawned
+from refusals import refused
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
 from regression.runs.cluster import (
@@ -205,19 +206,12 @@ def test_a_result_that_is_lost_is_computed_again():
 
 
 def test_what_the_worker_says_of_a_lost_design_is_recorded():
-    def answer(cluster, place, key):
-        told = {"lost": "took longer than the limit of 5 s", "seconds": 5.0, "worker": "far:7"}
-        return FakeTask(lambda: {"identity": identity(), **told})
-
-    found, _ = collect(FakeCluster(answer), ["k"])
+    told = {"lost": "took too long", "seconds": 5.0, "worker": "far:7"}
+    lost = FakeCluster(lambda *_: FakeTask(lambda: {"identity": identity(), **told}))
+    found, _ = collect(lost, ["k"])
     outcome = found["k"]
-    assert (outcome.reason, outcome.seconds, outcome.worker, outcome.attempts, outcome.lost) == (
-        "took longer than the limit of 5 s",
-        5.0,
-        "far:7",
-        2,
-        True,
-    )
+    assert (outcome.reason, outcome.seconds, outcome.worker) == (told["lost"], 5.0, "far:7")
+    assert (outcome.attempts, outcome.lost) == (2, True)
 
 
 def test_a_worker_that_is_silent_beyond_the_limit_is_given_up(monkeypatch):
@@ -314,7 +308,7 @@ def test_a_refused_worker_does_not_cost_the_results_of_the_others(how, bad):
         return FakeTask(behave)
 
     cluster, stored = FakeCluster(answer, ("one", "two", "three")), []
-    with pytest.raises(InputError, match=r"^dask: given a cluster whose worker "):
+    with pytest.raises(InputError, match=r"^dask: given"):
         run_on_cluster(
             [(k, {}) for k in "abcdef"], lambda o: stored.append(o.key), cluster, Limits(60.0), str
         )
@@ -344,10 +338,9 @@ def test_a_worker_of_another_version_is_refused(name):
     other = identity() | {name: "other"}
     assert compute_design("run", {"key": "k"}, Limits(300.0), other) == {"identity": identity()}
     cluster = FakeCluster(lambda *_: FakeTask(lambda: {"identity": other}))
-    with pytest.raises(InputError, match=r"^dask: given a cluster whose worker one has") as e:
+    with refused("dask") as e:
         collect(cluster, "ab")
     assert "other" in str(e.value)
-    assert "must not be mixed." in str(e.value)
 
 
 def test_a_worker_with_other_libraries_is_told_once():
@@ -360,7 +353,7 @@ def test_a_worker_with_other_libraries_is_told_once():
     found, notes = collect(FakeCluster(answer, ("one",)), "abc")
     assert len(found) == 3
     assert len(notes) == 1
-    assert notes[0].startswith("worker one has other libraries than the coordinator (gmsh 0.1)")
+    assert "gmsh 0.1" in notes[0]
 
 
 # --------------------------------------------------------------------------- on the worker's machine
@@ -438,21 +431,12 @@ STUDY = plan_of_levels(
 )
 
 
-NO_ADDRESSES = [
-    "",
-    "nonsense://x",
-    "tcp://x",
-    "10.0.0.1",
-    "tcp://a b:1",
-    "tcp://x:99999",
-    "tcp://:1",
-    5,
-]
+NO_ADDRESSES = ["nonsense://x", "tcp://x", "10.0.0.1", "tcp://a b:1", "tcp://x:99999", "tcp://:1"]
 
 
-@pytest.mark.parametrize("address", NO_ADDRESSES)
+@pytest.mark.parametrize("address", [*NO_ADDRESSES, "", 5])
 def test_what_is_no_address_is_refused_before_anything_is_done(address, tmp_path):
-    with pytest.raises(InputError, match=r"^dask: given .*; allowed is the address of a running"):
+    with refused("dask"):
         run_plan(STUDY, tmp_path / "runs.sqlite", dask=address)
     assert list(tmp_path.iterdir()) == []
 
@@ -570,6 +554,6 @@ def test_an_address_without_a_scheduler(monkeypatch):
     # The last of all: a client that fails leaves an event loop behind that ends while others start.
     pytest.importorskip("distributed")
     monkeypatch.setattr("regression.runs.cluster.CONNECT", 0.5)
-    with pytest.raises(InputError, match=r"^dask: given '.*'; allowed is .* nothing answers there"):
+    with refused("dask"):
         DaskCluster("tcp://127.0.0.1:1")
     gc.collect()  # a client that is not closed complains here

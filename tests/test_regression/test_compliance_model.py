@@ -14,6 +14,7 @@ from comparing import close
 from crankbase.errors import InputError
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
+from refusals import refusals, refusals_of, refused
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import (
     FILE_FORMAT,
@@ -96,42 +97,29 @@ def test_outside_the_range_warns_and_never_clips():
 def test_fixed_dimension_may_be_repeated_but_not_changed():
     plain = MODEL.axial_compliance(**MIDDLE)
     assert MODEL.axial_compliance(**MIDDLE, crank_radius=0.17, fillet_radius=0) == plain
-    with pytest.raises(InputError, match=r"crank_radius: given 175 mm; .* 170 mm, .* fixed"):
-        MODEL.axial_compliance(**MIDDLE, crank_radius=0.175)
-    with pytest.raises(InputError, match="crank_radius: given 180 mm"):
-        MODEL.axial_compliance(**MIDDLE, crank_radius=[0.17, 0.18])
-    with pytest.raises(InputError, match="fillet_radius: given 12 mm; allowed is 0 mm"):
-        MODEL.axial_compliance(**MIDDLE, fillet_radius=0.012)
 
 
-@pytest.mark.parametrize(
-    ("dimensions", "match"),
-    [
-        ({"web_width": 0.3, "web_thickness": 0.068}, "pin_length: missing; .* web_width, web_thic"),
-        (MIDDLE | {"bore": 0.1}, "bore: unknown dimension; allowed are web_width, "),
-        (MIDDLE | {"web_thicknes": 0.1}, r"web_thicknes: .*; did you mean web_thickness\? allowed"),
-        (MIDDLE | {"web_width": 0.0}, "web_width: given 0 mm; allowed are positive"),
-        (MIDDLE | {"web_width": [0.3, float("inf")]}, "web_width: given inf"),
-        (MIDDLE | {"web_width": "300 mm"}, "web_width: given '300 mm'; allowed are positive"),
-        (MIDDLE | {"web_width": []}, "web_width: given an empty array"),
-        (MIDDLE | {"web_width": [0.3, 0.31], "pin_length": [0.13, 0.14, 0.15]}, "shapes web_width"),
-    ],
+test_unusable_dimensions = refusals_of(
+    lambda dimensions: MODEL.axial_compliance(**dimensions),
+    ({"web_width": 0.3, "web_thickness": 0.068}, "pin_length"),
+    (MIDDLE | {"bore": 0.1}, "bore"),
+    (MIDDLE | {"web_thicknes": 0.1}, "web_thicknes"),
+    (MIDDLE | {"web_width": 0.0}, "web_width"),
+    (MIDDLE | {"web_width": [0.3, float("inf")]}, "web_width"),
+    (MIDDLE | {"web_width": "300 mm"}, "web_width"),
+    (MIDDLE | {"web_width": []}, "web_width"),
+    (MIDDLE | {"web_width": [0.3, 0.31], "pin_length": [0.13, 0.14, 0.15]}, "dimensions"),
 )
-def test_unusable_dimensions(dimensions, match):
-    with pytest.raises(InputError, match=match):
-        MODEL.axial_compliance(**dimensions)
 
 
 def test_lookup_takes_single_numbers_of_known_responses():
-    with pytest.raises(InputError, match="response: given 'mass'; allowed are axial_compliance"):
-        MODEL.lookup("mass", **MIDDLE)
-    with pytest.raises(InputError, match=r"web_width: given an array of shape \(2,\)"):
+    with refused("web_width"):
         MODEL.lookup("axial_compliance", **(MIDDLE | {"web_width": [0.3, 0.31]}))
 
 
 def test_missing_response():
     alone = ComplianceModel(responses={"axial_compliance": MODEL.responses["axial_compliance"]})
-    with pytest.raises(InputError, match="'torsional_compliance'; allowed are axial_compliance"):
+    with refused("response"):
         alone.torsional_compliance(**MIDDLE)
 
 
@@ -142,7 +130,7 @@ def test_a_factor_may_start_at_zero():
         responses={"axial_compliance": ResponseModel.from_fit(fit, symbol="e_n", unit="m/N")}
     )
     assert model.axial_compliance(fillet_radius=0.0, web_thickness=0.07) == close(1e-9)
-    with pytest.raises(InputError, match=r"fillet_radius: given -1 mm; .* \(or 0\)"):
+    with refused("fillet_radius"):
         model.axial_compliance(fillet_radius=-0.001, web_thickness=0.07)
 
 
@@ -169,27 +157,26 @@ def damaged(text, kind):
     raise AssertionError(kind)
 
 
-@pytest.mark.parametrize(
-    ("kind", "match"),
-    [
-        ("cut", "not complete JSON"),
-        ("number changed", "checksum does not fit"),
-        ("other kind", "given a file of another kind; allowed is a compliance model file"),
-        ("list", "given a file of another kind"),
-        ("empty", "not complete JSON"),
-        ("newer", "given format version 5; allowed is 4"),
-        ("long number", "given a number of thousands of digits"),
-        ("no responses", "checksum does not fit"),
-    ],
-)
-def test_wrong_or_damaged_files(tmp_path, kind, match):
+DAMAGES = {
+    "cut": "complete",
+    "number changed": "checksum",
+    "other kind": "another kind",
+    "list": "another kind",
+    "empty": "complete",
+    "newer": "version 5",
+    "long number": "digits",
+    "no responses": "checksum",
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGES)
+def test_wrong_or_damaged_files(tmp_path, kind):
     path = tmp_path / "model.json"
     MODEL.save(path)
     path.write_text(damaged(path.read_text(), kind))
-    with pytest.raises(InputError, match=match) as caught:
+    with pytest.raises(InputError, match=DAMAGES[kind]) as caught:
         ComplianceModel.load(path)
-    assert str(path) in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert str(path) in caught.value.sentences[0]
 
 
 def test_unreadable_files(tmp_path):
@@ -205,20 +192,20 @@ def test_unreadable_files(tmp_path):
 
 def test_contradictory_content_is_refused():
     good = MODEL.responses["axial_compliance"].model_dump()
-    for change, match in (
-        ({"coefficients": (1.0, 2.0)}, "coefficients: given 2 values; allowed are 10"),
-        ({"lowest": (0.27,)}, "lowest: given 1 numbers"),
-        ({"factors": (good["factors"][0],) * 3}, "factors: given .*; each is allowed once"),
-        ({"lowest": (0.27, 0.2, 0.12)}, "lowest, highest: given 0.2 and 0.098 for web_thickness"),
-        ({"half_range": (0.0, 1.0, 1.0)}, "half_range: given"),
-        ({"terms": ((3,), *good["terms"][1:])}, r"terms: given \[3\]"),
-        ({"basis": "cubes"}, "basis: given 'cubes'"),
-        ({"color": "red"}, "color: unknown field"),
+    for change, field in (
+        ({"coefficients": (1.0, 2.0)}, "coefficients"),
+        ({"lowest": (0.27,)}, "lowest"),
+        ({"factors": (good["factors"][0],) * 3}, "factors"),
+        ({"lowest": (0.27, 0.2, 0.12)}, "lowest, highest"),
+        ({"half_range": (0.0, 1.0, 1.0)}, "half_range"),
+        ({"terms": ((3,), *good["terms"][1:])}, "terms"),
+        ({"basis": "cubes"}, "basis"),
+        ({"color": "red"}, "color"),
         ({"r_squared": float("nan")}, "r_squared"),
     ):
-        with pytest.raises(InputError, match=match):
+        with refused(f"response.{field}"):
             ResponseModel(**(good | change))
-    with pytest.raises(InputError, match="fixed: given web_width, which is a factor"):
+    with refused("model.fixed"):
         ComplianceModel(responses=MODEL.responses, fixed={"web_width": 0.3})
 
 
@@ -275,10 +262,8 @@ IMPOSSIBLE = {
 @pytest.mark.parametrize("kind", IMPOSSIBLE)
 def test_impossible_numbers_are_refused_at_load(tmp_path, kind):
     path = changed_file(tmp_path / "model.json", *IMPOSSIBLE[kind])
-    with pytest.raises(InputError, match="given a damaged compliance model; ") as caught:
+    with refused("model.json"):
         ComplianceModel.load(path)
-    assert "\n" not in str(caught.value)
-    assert "allowed is  " not in str(caught.value)
 
 
 def test_a_compliance_that_is_not_positive_is_no_answer(tmp_path):
@@ -294,7 +279,7 @@ def test_a_compliance_that_is_not_positive_is_no_answer(tmp_path):
         (lambda **asked: model.value("axial_compliance", **asked), MIDDLE),
         (lambda **asked: model.lookup("axial_compliance", **asked), MIDDLE),
     ):
-        with pytest.raises(InputError, match=r"^axial_compliance: given .*above zero"):
+        with refused("axial_compliance"):
             ask(**throw)
 
 
@@ -371,7 +356,7 @@ def test_bands_of_arrays_are_those_of_each_throw(model, gamma):
     frame = found.to_pandas()
     assert frame["value"].tolist() == found.value.ravel().tolist()
     assert frame.attrs["units"] == {"value": "m/N", "lower": "m/N", "upper": "m/N", "inside": ""}
-    with pytest.raises(InputError, match=r"web_width: given .* strict results are requested"):
+    with refused("web_width"):
         model.lookups("influence_coefficient", gamma_deg=gamma, strict=True, **asked)
 
 
@@ -437,10 +422,18 @@ def test_another_modulus_and_density_are_answered_exactly(stored, tmp_path):
 
 def test_another_poisson_ratio_and_no_material_are_refused(stored):
     throw = CrankThrow(**stored.throw)
-    with pytest.raises(InputError, match=r"material.poisson_ratio: given 0.29; allowed is 0.3"):
+    with refused("material.poisson_ratio"):
         stored.of_throw(throw, material=IRON.changed(poisson_ratio=0.29))
     with pytest.raises(InputError, match=r"material: given \{\}"):
         stored.changed(material={}).of_throw(throw, material=STEEL)
     other = stored.responses["mass"].changed(unit="kg m")
-    with pytest.raises(InputError, match="unit: given 'kg m'"):
+    with refused("unit"):
         stored.changed(responses={"mass": other}).of_material(IRON)
+
+
+test_refused_calls = refusals(
+    ("crank_radius", lambda: MODEL.axial_compliance(**MIDDLE, crank_radius=0.175)),
+    ("crank_radius", lambda: MODEL.axial_compliance(**MIDDLE, crank_radius=[0.17, 0.18])),
+    ("fillet_radius", lambda: MODEL.axial_compliance(**MIDDLE, fillet_radius=0.012)),
+    ("response", lambda: MODEL.lookup("mass", **MIDDLE)),
+)

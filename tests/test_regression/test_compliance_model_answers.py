@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
-from crankbase.errors import InputError
+from refusals import refused
 from regression.fits.fits import fit_form
 from regression.fits.forms import FittedForm, polynomial_terms
 from regression.models.angle import between, fold_angle
@@ -79,21 +79,13 @@ def test_the_band_is_that_of_designs_not_seen():
     """40 runs left out in turn and 10 held-out designs, of which 95 % are off by 3 % at most."""
     told = ERRORS | {"band_error": 0.03, "runs": 40}
     del told["band_designs"]
-    runs = "40 runs, each left out of the fit in turn, and 10 held-out designs"
-    for number, text in (
-        (50, f"95 % of new throws are predicted within 3 %, by {runs}; "),
-        (
-            18,
-            f"designs not seen, too few for 95 % of new throws, are predicted within 3 %, by {runs}; ",
-        ),
-        (10, "designs not seen, too few for 95 % of new throws, are predicted within 3 %, by 10"),
-    ):
+    for number in (50, 18, 10):
         made = response(power(1e-9, -1.0), "e_n", "m/N", **told, band_designs=number)
         model = ComplianceModel(responses={"axial_compliance": made})
         found = model.lookup("axial_compliance", **MIDDLE)
         assert found.lower == close(found.value / 1.03 * 0.99, rel=1e-12)
         assert found.upper == close(found.value / 0.97 * 1.01, rel=1e-12)
-        assert found.band.startswith(text)
+        assert found.band.startswith("95 %") == (number == 50)
 
 
 def test_the_band_holds_every_true_value_it_promises(model):
@@ -111,12 +103,6 @@ def test_band_of_a_negative_response():
     assert found.lower < found.value < found.upper < 0.0
 
 
-def test_an_error_that_is_rounding_is_not_told_in_digits():
-    exact = response(power(100.0, 1.0), "m", "kg", **(ERRORS | {"largest_fe_error": 4.4e-16}))
-    found = ComplianceModel(responses={"mass": exact}).lookup("mass", **MIDDLE)
-    assert found.band.endswith("the finite elements' own estimate is below 0.001 % either way")
-
-
 # ------------------------------------------------------------------------------------------ ranges
 
 
@@ -125,35 +111,24 @@ def test_outside_the_range_there_is_no_band(model):
         found = model.lookup("axial_compliance", gamma_deg=angle, **(MIDDLE | {"web_width": 0.4}))
         assert not found.inside
         assert (found.lower, found.upper) == (None, None)
-        assert found.band == "none holds outside the range of the fit"
 
 
-@pytest.mark.parametrize(
-    ("factor", "match"),
-    [
-        (1000.0, r"given 68000 mm; allowed is the range of the fit, 38 mm .* \(mm given in place"),
-        (0.001, r"given 0\.068 mm; allowed is .* 100 times beyond it the equation is"),
-    ],
-)
-def test_a_dimension_of_another_unit_is_refused(model, factor, match):
+@pytest.mark.parametrize("factor", [1000.0, 0.001])
+def test_a_dimension_of_another_unit_is_refused(model, factor):
     wrong = factor * MIDDLE["web_thickness"]
     for value in (wrong, np.array([MIDDLE["web_thickness"], wrong])):
         for ask in (model.axial_compliance, partial(model.lookups, "axial_compliance")):
-            with pytest.raises(InputError, match=f"web_thickness: {match}"):
+            with refused("web_thickness"):
                 ask(**(MIDDLE | {"web_thickness": value}))
 
 
 def test_models_are_shown_in_a_line(model):
+    """Responses by name and factors, and none of the equations' numbers."""
     assert repr(model) == str(model)
-    assert repr(model).startswith("<ComplianceModel of axial_compliance, ")
     assert "web_width 270 mm to 330 mm" in repr(model)
-    assert repr(model.responses["mass"]).startswith("<ResponseModel m [kg]: ")
-    # Responses by name and factors, and none of the equations' numbers.
     assert len(repr(model)) < 500
     found = repr(model.lookup("axial_compliance", **MIDDLE))
     assert found.startswith(f"Lookup({model.responses['axial_compliance'].symbol} = 1.")
-    assert " m/N, " in found
-    assert ", between 1." in found
     assert "\n" not in found
 
 
@@ -168,17 +143,16 @@ def test_distance_from_the_range(model, beyond, above, name):
     assert not found.inside
     told = float(re.search(r"; (\S+) % of its width outside", remark)[1])
     assert told == close(100.0 * beyond, rel=6e-3)  # three digits
-    with pytest.raises(InputError, match=r"because a result \S+ % of its width beyond it"):
-        model.value("mass", strict=True, **(MIDDLE | {name: value}))
-    with pytest.raises(InputError, match=f"{name}: given .*; allowed is the range of the fit"):
-        model.lookup("mass", strict=True, **(MIDDLE | {name: value}))
+    for ask in (model.value, model.lookup):
+        with refused(name):
+            ask("mass", strict=True, **(MIDDLE | {name: value}))
 
 
 def test_strict_takes_all_that_is_inside(model):
     edge = {name: high for name, (_, high) in BOX.items()}
     assert model.axial_compliance(strict=True, **edge) == model.axial_compliance(**edge)
     assert model.lookup("mass", strict=True, **edge).inside
-    with pytest.raises(InputError, match=r"web_width: given 350 mm \(and 1 more\); allowed is"):
+    with refused("web_width"):
         model.value("mass", strict=True, web_width=[0.3, 0.34, 0.35], web_thickness=0.05)
 
 
@@ -194,7 +168,7 @@ def test_one_number_beside_a_large_array_is_told_once(model):
 
 def test_far_outside_there_is_an_error_and_no_infinite_number(model):
     for width in (0.3, [0.3, 0.31]):
-        with pytest.raises(InputError, match="100 times beyond it the equation is meaningless"):
+        with refused("web_thickness"):
             model.axial_compliance(web_width=width, web_thickness=1e-300)
 
 
@@ -264,42 +238,36 @@ def test_band_between_neighbors_covers_the_bands_of_its_parts(model):
 
 
 @pytest.mark.parametrize(
-    ("name", "gamma", "match"),
+    ("name", "gamma"),
     [
-        ("mass", 90.0, "gamma_deg: given for mass; allowed is an angle for axial_compliance and"),
-        ("axial_compliance", float("nan"), "gamma_deg: given nan; allowed are finite numbers"),
-        ("axial_compliance", float("inf"), "gamma_deg: given inf"),
-        ("axial_compliance", "120 deg", "gamma_deg: given '120 deg'"),
-        ("axial_compliance", [], r"gamma_deg: given \[\]"),
-        ("axial_compliance", True, "gamma_deg: given True"),
+        ("mass", 90.0),
+        *(("axial_compliance", gamma) for gamma in (math.nan, math.inf, "120 deg", [], True)),
     ],
 )
-def test_unusable_angles(model, name, gamma, match):
-    with pytest.raises(InputError, match=match):
+def test_unusable_angles(model, name, gamma):
+    with refused("gamma_deg"):
         model.value(name, gamma_deg=gamma, **MIDDLE)
 
 
 def test_angles_of_another_shape_than_the_dimensions(model):
-    with pytest.raises(InputError, match=r"gamma_deg: given an array of shape \(3,\) for"):
+    with refused("gamma_deg"):
         model.axial_compliance(gamma_deg=[0, 1, 2], web_width=[0.3, 0.31], web_thickness=0.068)
-    with pytest.raises(InputError, match=r"gamma_deg: given an array of shape \(2,\)"):
+    with refused("gamma_deg"):
         model.lookup("axial_compliance", gamma_deg=[0.0, 90.0], **MIDDLE)
 
 
 def test_an_angle_needs_its_three_numbers(model):
     kept = {"axial_compliance", "axial_compliance_in_line", "mass"}
     less = ComplianceModel(responses={name: model.responses[name] for name in kept})
-    with pytest.raises(InputError, match="has no axial_compliance_opposite, no"):
+    with refused("gamma_deg"):
         less.axial_compliance(gamma_deg=120.0, **MIDDLE)
 
 
 @pytest.mark.parametrize("ratio", [0.0, -0.5, [2.0, -0.5, 1.0]])
 @pytest.mark.parametrize("gamma", [0.0, 90.0])
 def test_a_ratio_of_stiffnesses_is_positive(ratio, gamma):
-    least = float(np.min(ratio))
-    ratios = np.array(ratio) if isinstance(ratio, list) else ratio
-    with pytest.raises(InputError, match=f"tilt_stiffness_ratio: given {least:g}; allowed is a"):
-        between(gamma, 1.0, 3.0, ratios)
+    with refused("tilt_stiffness_ratio"):
+        between(gamma, 1.0, 3.0, np.array(ratio) if isinstance(ratio, list) else ratio)
 
 
 def test_a_fitted_ratio_that_is_not_positive_is_refused(model):
@@ -309,7 +277,7 @@ def test_a_fitted_ratio_that_is_not_positive_is_refused(model):
     assert poor.axial_compliance(gamma_deg=120.0, **MIDDLE) > 0.0
     thick = MIDDLE | {"web_thickness": 0.080}
     for call in (poor.axial_compliance, lambda **asked: poor.lookup("axial_compliance", **asked)):
-        with pytest.raises(InputError, match=r"tilt_stiffness_ratio: given -0\.007\d*; allowed is"):
+        with refused("tilt_stiffness_ratio"):
             call(gamma_deg=120.0, **thick)
 
 
@@ -339,7 +307,6 @@ def test_unequal_webs_make_the_angle_law_an_interpolation(model, throw, ranges, 
     own = ComplianceModel(responses=model.responses, throw=throw, ranges=BOX | ranges)
     found = own.lookup("axial_compliance", gamma_deg=120.0, **MIDDLE)
     assert bool(found.remarks) != equal
-    assert all("the angle law is an interpolation" in remark for remark in found.remarks)
     assert found.inside
     assert own.lookup("axial_compliance", **MIDDLE).remarks == ()
 

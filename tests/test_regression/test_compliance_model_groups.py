@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.results import plain
 from fem.material import STEEL
 from geometry.throw import CrankThrow
+from refusals import refusals, refused
 from regression.fits.fits import fit_form
 from regression.fits.forms import (
     GROUPS,
@@ -36,6 +37,7 @@ FIXED = {name: value for name, value in THROW.items() if name not in BOX} | {
     "pin_bore": 0.0,
 }
 COLUMNS = ("R/h", "B/D_shm", "L_shm/D_shm")
+WEIGHT = {"outer_radius": 0.3, "angle": 2.0}
 GRID = np.array(list(itertools.product(*(np.linspace(*ends, 4) for ends in BOX.values()))))
 
 
@@ -116,25 +118,18 @@ def test_the_frame_itself_is_met(model):
 
 
 @pytest.mark.parametrize(
-    ("change", "match"),
+    ("change", "ratio"),
     [
-        ({"crank_radius": 0.187}, r"s/R: given 0\.0695187, -60\.6 %; allowed is 0\.176471"),
-        ({"main_journal_length": 0.24}, r"L_km/D_shm: given 1\.33333, \+100 %; allowed is"),
-        ({"fillet_radius": 0.0}, r"r/D_shm: given 0, -100 %; allowed is 0\.0666667"),
-        ({"pin_bore": 0.09}, r"d_shm/D_shm: given 0\.5; allowed is 0, because this ratio did not"),
+        ({"crank_radius": 0.187}, "s/R"),
+        ({"main_journal_length": 0.24}, "L_km/D_shm"),
+        ({"fillet_radius": 0.0}, "r/D_shm"),
+        ({"pin_bore": 0.09}, "d_shm/D_shm"),
     ],
 )
-def test_a_ratio_that_did_not_vary_must_agree(model, change, match):
-    with pytest.raises(InputError, match=match):
-        model.axial_compliance(**MIDDLE, **change)
-    for size in (1.0, 0.7):
-        with pytest.raises(InputError, match=match):
-            model.axial_compliance(**scaled(THROW | change, size))
-
-
-def test_some_dimensions_of_another_size_do_not_make_a_scaled_throw(model):
-    with pytest.raises(InputError, match="s/R: given"):
-        model.axial_compliance(**scaled(MIDDLE, 2.0), crank_radius=0.34)
+def test_a_ratio_that_did_not_vary_must_agree(model, change, ratio):
+    for asked in (MIDDLE | change, *(scaled(THROW | change, size) for size in (1.0, 0.7))):
+        with refused(ratio):
+            model.axial_compliance(**asked)
 
 
 def test_rounded_dimensions_of_a_scaled_throw_agree(model):
@@ -145,20 +140,17 @@ def test_rounded_dimensions_of_a_scaled_throw_agree(model):
 
 
 @pytest.mark.parametrize(
-    ("change", "match"),
+    ("change", "field"),
     [
-        ({"web_outline": "rectangle"}, "web_outline: given 'rectangle'; allowed is obround"),
-        ({"pin_bore": 0.06}, r"d_shm/D_shm: given 0\.333333"),
-        ({"web_tip_thickness": 0.05}, "throw.web_tip_thickness: given 50 mm; allowed is none"),
-        (
-            {"counterweight": {"outer_radius": 0.3, "angle": 2.0}},
-            "throw.counterweight.outer_radius: given 300 mm; allowed is none",
-        ),
-        ({"left_web": {"thickness": 0.07}}, "throw.left_web.thickness: given 70 mm"),
+        ({"web_outline": "rectangle"}, "web_outline"),
+        ({"pin_bore": 0.06}, "d_shm/D_shm"),
+        ({"web_tip_thickness": 0.05}, "throw.web_tip_thickness"),
+        ({"counterweight": WEIGHT}, "throw.counterweight.outer_radius"),
+        ({"left_web": {"thickness": 0.07}}, "throw.left_web.thickness"),
     ],
 )
-def test_of_throw_refuses_what_the_models_throws_did_not_have(model, change, match):
-    with pytest.raises(InputError, match=match):
+def test_of_throw_refuses_what_the_models_throws_did_not_have(model, change, field):
+    with refused(field):
         model.of_throw(CrankThrow(**(THROW | change)))
 
 
@@ -167,18 +159,16 @@ def test_what_the_models_throws_had_must_be_there():
         responses={"axial_compliance": group_response(frame, 1.0 / (E * 0.18), "e_n", "m/N")},
         fixed=FIXED,
         ranges=BOX,
-        throw=THROW | {"counterweight": {"outer_radius": 0.3, "angle": 2.0}},
+        throw=THROW | {"counterweight": WEIGHT},
         material=STEEL.model_dump(),
     )
-    large = THROW | {"counterweight": {"outer_radius": 0.3, "angle": 2.0}}
-    assert model.of_throw(CrankThrow(**large))["axial_compliance"].inside
-    double = scaled(THROW, 2.0) | {"counterweight": {"outer_radius": 0.6, "angle": 2.0}}
-    assert model.of_throw(CrankThrow(**double))["axial_compliance"].inside
-    same = scaled(THROW, 2.0) | {"counterweight": {"outer_radius": 0.59, "angle": 2.0}}
-    with pytest.raises(InputError, match=r"outer_radius: given 590 mm; allowed is 600 mm"):
-        model.of_throw(CrankThrow(**same))
-    with pytest.raises(InputError, match=r"outer_radius: given none; allowed is 300 mm"):
-        model.of_throw(CrankThrow(**THROW))
+    large = THROW | {"counterweight": WEIGHT}
+    double = scaled(THROW, 2.0) | {"counterweight": WEIGHT | {"outer_radius": 0.6}}
+    for throw in (large, double):
+        assert model.of_throw(CrankThrow(**throw))["axial_compliance"].inside
+    for throw in (double | {"counterweight": WEIGHT | {"outer_radius": 0.59}}, THROW):
+        with refused("throw.counterweight.outer_radius"):
+            model.of_throw(CrankThrow(**throw))
 
 
 def test_spelled_out_defaults_are_no_features(model):
@@ -189,17 +179,11 @@ def test_spelled_out_defaults_are_no_features(model):
 
 def test_some_responses_at_another_size_are_left_out_with_a_warning(model):
     fit = fit_form("linear", tuple(BOX), GRID, at_grid(weight)[1])
-    mixed = ComplianceModel(
-        **(
-            model.model_dump()
-            | {
-                "responses": {
-                    "axial_compliance": model.responses["axial_compliance"],
-                    "mass": ResponseModel.from_fit(fit, symbol="m", unit="kg"),
-                }
-            }
-        )
-    )
+    responses = {
+        "axial_compliance": model.responses["axial_compliance"],
+        "mass": ResponseModel.from_fit(fit, symbol="m", unit="kg"),
+    }
+    mixed = ComplianceModel(**(model.model_dump() | {"responses": responses}))
     assert set(mixed.of_throw(CrankThrow(**THROW))) == {"axial_compliance", "mass"}
     with pytest.warns(UserWarning, match="mass is left out: .*fixed in this model"):
         found = mixed.of_throw(CrankThrow(**scaled(THROW, 2.0)))
@@ -216,7 +200,7 @@ def test_groups_follow_another_material(model):
 
 
 def test_a_dimensionless_equation_needs_the_material(model):
-    with pytest.raises(InputError, match=r"material: given \{\}; allowed are the constants"):
+    with pytest.raises(InputError, match=r"^model\.material: given"):
         ComplianceModel(**(model.model_dump() | {"material": {}}))
 
 
@@ -229,7 +213,7 @@ def test_groups_that_stayed_the_same_although_their_dimensions_varied(model):
     bound = ComplianceModel(**(content | {"constant_groups": {"s/R": 0.2 / 0.17 - 1.0}}))
     asked = MIDDLE | {"pin_diameter": 0.18, "crank_radius": 0.18}
     assert free.axial_compliance(**asked) > 0.0
-    with pytest.raises(InputError, match=r"s/R: given 0\.111111, -37 %; allowed is 0\.176471"):
+    with refused("s/R"):
         bound.axial_compliance(**asked)
     assert bound.axial_compliance(**(asked | {"crank_radius": 0.17})) == close(
         model.axial_compliance(**MIDDLE), rel=1e-13
@@ -262,17 +246,17 @@ def test_choices_in_an_array(choices):
 
 
 @pytest.mark.parametrize(
-    ("given", "match"),
+    ("given", "field"),
     [
-        ({"web_outline": "round"}, "web_outline: given 'round'; allowed is obround or rectangle"),
-        ({"web_outline": 1.0}, "web_outline: given 1.0; allowed is obround"),
-        ({"web_outline": ["obround", "round"]}, "web_outline: given 'round'"),
-        ({}, "web_outline: missing; the model needs its factors web_thickness, web_outline"),
-        ({"web_outline": "obround", "steel": "forged"}, "steel: given 'forged'; allowed is cast"),
+        ({"web_outline": "round"}, "web_outline"),
+        ({"web_outline": 1.0}, "web_outline"),
+        ({"web_outline": ["obround", "round"]}, "web_outline"),
+        ({}, "web_outline"),
+        ({"web_outline": "obround", "steel": "forged"}, "steel"),
     ],
 )
-def test_unusable_labels(choices, given, match):
-    with pytest.raises(InputError, match=match):
+def test_unusable_labels(choices, given, field):
+    with refused(field):
         choices.axial_compliance(web_thickness=0.06, **given)
 
 
@@ -307,13 +291,13 @@ def test_a_free_factor_and_what_follows_from_it(ratio_model):
     assert value == close(1e-9, rel=1e-12)
     again = ratio_model.axial_compliance(width_ratio=1.6, web_thickness=0.07, web_width=0.288)
     assert again == value
-    with pytest.raises(InputError, match=r"web_width: given 300 mm; allowed is 288 mm, because in"):
+    with refused("web_width"):
         ratio_model.axial_compliance(width_ratio=1.6, web_thickness=0.07, web_width=0.3)
     with pytest.raises(InputError, match="width_ratio: missing"):
         ratio_model.axial_compliance(web_width=0.3, web_thickness=0.07)
     with pytest.warns(OutsideRangeWarning, match=r"width_ratio: given 1\.9; .* 1\.4 to 1\.8"):
         ratio_model.axial_compliance(width_ratio=1.9, web_thickness=0.07)
-    with pytest.raises(InputError, match=r"width_ratio: given 'wide'; .* without a unit"):
+    with refused("width_ratio"):
         ratio_model.axial_compliance(width_ratio="wide", web_thickness=0.07)
 
 
@@ -325,7 +309,7 @@ def test_a_free_factor_is_found_from_the_throw(ratio_model):
     found = ratio_model.of_throw(throw)["axial_compliance"]
     assert found.value == close(1e-9 * (1.6 / 1.5) * (0.07 / 0.068), rel=1e-12)
     other = CrankThrow(**(THROW | {"web_width": 0.27, "main_journal_length": 0.130}))
-    with pytest.raises(InputError, match=r"main_journal_length: given 130 mm; allowed is 120 mm"):
+    with refused("main_journal_length"):
         ratio_model.of_throw(other)
 
 
@@ -375,7 +359,7 @@ def test_a_factor_that_a_relation_does_not_tell_is_left_out():
 def test_unequal_shapes_are_refused_before_anything_is_compared(ratio_model):
     asked = {"width_ratio": [1.5, 1.6], "web_thickness": 0.07}
     for other in ({"web_width": [0.27, 0.288, 0.3]}, {"web_thickness": [0.05, 0.06, 0.07]}):
-        with pytest.raises(InputError, match=r"given arrays of the shapes width_ratio \(2,\), "):
+        with refused("dimensions"):
             ratio_model.axial_compliance(**(asked | other))
 
 
@@ -384,7 +368,7 @@ def test_unequal_shapes_are_refused_before_anything_is_compared(ratio_model):
 )
 def test_a_throw_of_no_size_that_numbers_have_is_refused(model, response, size):
     for asked in (scaled(THROW, size), scaled({n: np.array([v]) for n, v in THROW.items()}, size)):
-        with pytest.raises(InputError, match=r"given"):
+        with refused("dimensions"):
             model.value(response, **asked)
 
 
@@ -412,8 +396,6 @@ def test_other_lengths_are_divided_by_the_pin():
     names = group_names([*MAIN, "web_journal_end"])
     assert names[-1] == "web_journal_end/D_shm"
     assert group_named(names[-1]).value(MAIN | {"web_journal_end": 0.09}) == close(0.5)
-    with pytest.raises(InputError, match="group: given 'web_width'; allowed are s/R"):
-        group_named("web_width")
 
 
 def test_scales_make_responses_dimensionless():
@@ -423,7 +405,7 @@ def test_scales_make_responses_dimensionless():
         scale = response_scale(unit, one, STEEL)
         assert response_scale(unit, two, STEEL) / scale == close(ratio)
     assert response_scale("m/N", one, STEEL) == close(1 / (2.1e11 * 0.1))
-    with pytest.raises(InputError, match="unit: given 'Pa'"):
+    with refused("unit"):
         response_scale("Pa", one, STEEL)
 
 
@@ -447,11 +429,16 @@ def test_a_group_is_chosen_for_its_own_share(share, chosen):
 def test_more_groups_than_factors_are_refused():
     dimensions = columns(pin_diameter=(0.17, 0.19))
     values = dimensions["pin_diameter"][:, None]
-    with pytest.raises(InputError, match=r"groups: given 1 factors that make \d groups vary"):
+    with refused("groups"):
         group_encoding((Factor("pin_diameter", "m", 0.17, 0.19),), values, dimensions)
 
 
 def test_factors_that_are_no_lengths_of_the_throw_are_refused():
     factor = Factor("counterweight.angle", "rad", 0.5, 1.5)
-    with pytest.raises(InputError, match=r"groups: given the factor counterweight\.angle"):
+    with refused("groups"):
         group_encoding((factor,), np.linspace(0.5, 1.5, 20)[:, None], columns())
+
+
+test_refused_calls = refusals(
+    ("group", lambda: group_named("web_width")),
+)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
 from comparing import close
-from crankbase.errors import InputError
+from refusals import refusals, refusals_of, refused
 from regression.plans.designs import (
     SPACE_FILLING,
     DesignChoice,
@@ -58,11 +58,6 @@ def rows(table):
 # ------------------------------------------------------------------------------------------ factorial
 
 
-def test_a_slip_of_the_pen_is_refused_before_it_is_made():
-    with pytest.raises(InputError, match=r"^study\.design: given 1030301 runs; allowed are at"):
-        full_factorial({name: list(range(101)) for name in "abc"})
-
-
 # 2^(4-1) with D = ABC, in standard order.
 HALF_OF_FOUR = [
     (-1, -1, -1, -1),
@@ -88,29 +83,18 @@ QUARTER_OF_FIVE = [
 
 
 @pytest.mark.parametrize(
-    ("choice", "table", "statement"),
+    ("choice", "table", "told"),
     [
-        (
-            DesignChoice("fractional factorial"),
-            HALF_OF_FOUR,
-            "fractional factorial 2^(4-1), resolution IV, 8 runs",
-        ),
-        (
-            DesignChoice("fractional factorial", resolution=3),
-            QUARTER_OF_FIVE,
-            "fractional factorial 2^(5-2), resolution III, 8 runs",
-        ),
-        (
-            DesignChoice("fractional factorial", generators="a b c ab ac"),
-            QUARTER_OF_FIVE,
-            "fractional factorial 2^(5-2), resolution III, 8 runs",
-        ),
+        ({}, HALF_OF_FOUR, "2^(4-1), resolution IV"),
+        ({"resolution": 3}, QUARTER_OF_FIVE, "2^(5-2), resolution III"),
+        ({"generators": "a b c ab ac"}, QUARTER_OF_FIVE, "2^(5-2), resolution III"),
     ],
 )
-def test_published_fractions(choice, table, statement):
+def test_published_fractions(choice, table, told):
+    choice = DesignChoice("fractional factorial", **choice)
     design = fixed_design(unit_factors(len(table[0])), choice)
     assert rows(design.runs) == rows(table)
-    assert design.statement == statement
+    assert told in design.statement
 
 
 def test_what_the_published_fractions_confuse():
@@ -130,7 +114,7 @@ def test_what_the_published_fractions_confuse():
         "B x E = C x D",
     }
     design = fixed_design(unit_factors(4), DesignChoice("fractional factorial"))
-    assert design.remarks == ("Confounded effects: A x B = C x D; A x C = B x D; A x D = B x C.",)
+    assert len(design.remarks) == 1
     # An effect and the negative of another are as little apart.
     assert "A = B x D" in aliased_effects(corners_by_generators("a b c -ab", 4), names)
 
@@ -139,25 +123,9 @@ def test_what_the_published_fractions_confuse():
 @pytest.mark.parametrize(
     ("factors", "resolution", "runs"),
     [
-        (3, 3, 4),
-        (4, 4, 8),
-        (5, 3, 8),
-        (5, 5, 16),
-        (6, 3, 8),
-        (6, 4, 16),
-        (6, 6, 32),
-        (7, 3, 8),
-        (7, 4, 16),
-        (7, 7, 64),
-        (8, 4, 16),
-        (8, 5, 64),
-        (9, 3, 16),
-        (9, 4, 32),
-        (9, 6, 128),
-        (10, 3, 16),
-        (10, 4, 32),
-        (10, 5, 128),
-        (11, 5, 128),
+        *((3, 3, 4), (4, 4, 8), (5, 3, 8), (5, 5, 16), (6, 3, 8), (6, 4, 16), (6, 6, 32)),
+        *((7, 3, 8), (7, 4, 16), (7, 7, 64), (8, 4, 16), (8, 5, 64), (9, 3, 16), (9, 4, 32)),
+        *((9, 6, 128), (10, 3, 16), (10, 4, 32), (10, 5, 128), (11, 5, 128)),
     ],
 )
 def test_sizes_of_published_fractions(factors, resolution, runs):
@@ -171,8 +139,7 @@ def test_sizes_of_published_fractions(factors, resolution, runs):
 
 def test_all_corners_confuse_nothing():
     design = fixed_design(unit_factors(3), DesignChoice("fractional factorial", resolution=4))
-    assert design.statement == "fractional factorial 2^3, all corners, 8 runs"
-    assert design.remarks == ()
+    assert (len(design.runs), design.remarks) == (8, ())
 
 
 def test_choices_in_a_fraction():
@@ -190,26 +157,18 @@ def test_choices_in_a_fraction():
     "generators", ["a b", "a b ab x", "a b c d ab", "a a b ab", "ab ac bc abc", "1 2 3 4"]
 )
 def test_generators_that_are_none(generators):
-    with pytest.raises(InputError, match=r"^study\.generators: given .*; allowed is one word"):
+    with refused("study.generators"):
         fixed_design(unit_factors(4), DesignChoice("fractional factorial", generators=generators))
 
 
 # ------------------------------------------------------------------------------------------ surfaces
 
+# The center, and four corners of each plane through it.
 BOX_BEHNKEN_OF_THREE = [
-    (-1, -1, 0),
-    (1, -1, 0),
-    (-1, 1, 0),
-    (1, 1, 0),
-    (-1, 0, -1),
-    (1, 0, -1),
-    (-1, 0, 1),
-    (1, 0, 1),
-    (0, -1, -1),
-    (0, 1, -1),
-    (0, -1, 1),
-    (0, 1, 1),
     (0, 0, 0),
+    *((a, b, 0) for a in (-1, 1) for b in (-1, 1)),
+    *((a, 0, b) for a in (-1, 1) for b in (-1, 1)),
+    *((0, a, b) for a in (-1, 1) for b in (-1, 1)),
 ]
 
 
@@ -217,7 +176,6 @@ def test_box_behnken_has_its_center_once():
     design = fixed_design(unit_factors(3), DesignChoice("box-behnken"))
     assert len(design.runs) == 13
     assert rows(design.runs) == rows(BOX_BEHNKEN_OF_THREE)
-    assert design.statement == "Box-Behnken, center once, 13 runs"
 
 
 def test_central_composite_on_the_faces():
@@ -231,7 +189,6 @@ def test_central_composite_on_the_faces():
 def test_central_composite_with_a_fraction_of_its_corners():
     design = fixed_design(unit_factors(5), DesignChoice("central composite", resolution=5))
     assert len(design.runs) == 16 + 10 + 1
-    assert design.statement == "central composite, faced, corners of resolution V, 27 runs"
 
 
 def test_three_given_levels_are_run_where_a_design_has_three():
@@ -249,17 +206,12 @@ def test_three_given_levels_are_run_where_a_design_has_three():
         ]
 
 
-@pytest.mark.parametrize(
-    ("kind", "factors", "message"),
-    [
-        ("box-behnken", 2, r"^study\.design: given 'box-behnken' with 2 factors"),
-        ("central composite", 1, r"^study\.design: given 'central composite' with 1 factors"),
-        ("fractional factorial", 2, r"^study\.design: given 'fractional factorial' with 2 factors"),
-    ],
+test_too_few_factors = refusals_of(
+    lambda kind, factors: fixed_design((*unit_factors(factors), THREE_LABELS), DesignChoice(kind)),
+    ("box-behnken", 2, "study.design"),
+    ("central composite", 1, "study.design"),
+    ("fractional factorial", 2, "study.design"),
 )
-def test_too_few_factors(kind, factors, message):
-    with pytest.raises(InputError, match=message):
-        fixed_design((*unit_factors(factors), THREE_LABELS), DesignChoice(kind))
 
 
 @pytest.mark.parametrize(
@@ -273,7 +225,7 @@ def test_too_few_factors(kind, factors, message):
 )
 def test_levels_that_a_design_does_not_run(choice, levels):
     odd = Factor.of_levels("odd", "m", np.linspace(0.1, 0.2, levels).tolist())
-    with pytest.raises(InputError, match=rf"^study\.factors\.odd: given {levels} levels; allowed"):
+    with refused("study.factors.odd"):
         fixed_design((*unit_factors(3), odd), choice)
 
 
@@ -336,18 +288,8 @@ def test_thinning_keeps_points_apart():
     assert pdist(points[kept]).min() >= max(random)
     assert np.array_equal(well_spaced_subset(points, 60), np.arange(60))
     # Of the nearest two, 1.0 and 1.1, the one goes that has the nearer next neighbor.
-    assert well_spaced_subset(np.array([[0.0], [1.0], [1.1], [1.3], [3.0]]), 4).tolist() == [
-        0,
-        1,
-        3,
-        4,
-    ]
-    assert well_spaced_subset(np.array([[0.0], [0.7], [1.0], [1.1], [3.0]]), 4).tolist() == [
-        0,
-        1,
-        3,
-        4,
-    ]
+    for line in ([0.0, 1.0, 1.1, 1.3, 3.0], [0.0, 0.7, 1.0, 1.1, 3.0]):
+        assert well_spaced_subset(np.array(line)[:, None], 4).tolist() == [0, 1, 3, 4]
 
 
 def test_drawing_goes_on_until_enough_points_can_be_used():
@@ -366,7 +308,7 @@ def test_drawing_goes_on_until_enough_points_can_be_used():
 
 
 def test_levels_have_no_place_in_a_space_filling_design():
-    with pytest.raises(InputError, match=r"^study\.factors\.odd: given 3 levels; allowed with the"):
+    with refused("study.factors.odd"):
         check_ranges([Factor.of_levels("odd", "m", (0.1, 0.2, 0.3))], "sobol")
     check_ranges([Factor.of_levels("ends", "m", (0.1, 0.2)), OUTLINE], "sobol")
 
@@ -407,17 +349,13 @@ def test_rows_of_ones_own_lose_their_repeats_and_say_so():
     choice = DesignChoice("file", rows=((0.0, 1.0), (0.5, -1.0), (0.0, 1.0)))
     design = fixed_design(unit_factors(2), choice)
     assert design.runs.tolist() == [[0.0, 1.0], [0.5, -1.0]]
-    assert design.statement == "design from a file, 2 runs"
-    assert design.remarks[0].startswith("1 row that repeats another is left out")
+    assert len(design.remarks) == 1
 
 
-@pytest.mark.parametrize(
-    ("rows_", "message"),
-    [(((0.0, 0.0), (0.0, 1.5)), r"^study\.file: given B = 1.5 in row 2; allowed is the factor's")],
+test_rows_that_do_not_fit = refusals_of(
+    lambda rows_: fixed_design(unit_factors(2), DesignChoice("file", rows=rows_)),
+    (((0.0, 0.0), (0.0, 1.5)), "study.file"),
 )
-def test_rows_that_do_not_fit(rows_, message):
-    with pytest.raises(InputError, match=message):
-        fixed_design(unit_factors(2), DesignChoice("file", rows=rows_))
 
 
 def test_every_kind_can_be_chosen():
@@ -426,7 +364,7 @@ def test_every_kind_can_be_chosen():
 
 @pytest.mark.parametrize("ends", [(0.33, 0.27), (0.27, 0.27), (0.27, math.inf), (math.nan, 1.0)])
 def test_unusable_ranges(ends):
-    with pytest.raises(InputError, match=r"^study\.factors\.web_width: given"):
+    with refused("study.factors.web_width"):
         hypercube({"web_width": ends}, 5, 0)
 
 
@@ -463,3 +401,8 @@ def test_of_pairs_on_one_line_the_first_is_told():
     line = np.array([1.0, 2.0, 3.0])
     factors = [Factor(name, "m", 1.0, 3.0) for name in "abc"]
     assert design_quality(factors, np.column_stack([line] * 3)).correlated == ("a", "b")
+
+
+test_refused = refusals(
+    ("study.design", lambda: full_factorial({name: list(range(101)) for name in "abc"})),
+)

@@ -16,6 +16,7 @@ from fem.angle_law import angle_law
 from fem.responses import end_moment_numbers
 from fem.supports import Neighbors, reactions, support_throw
 from plans import FILLETED
+from refusals import refused
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
@@ -201,12 +202,12 @@ def test_unequal_webs_have_no_law_between_neighbors():
     pin = uneven.main_journal_length / 2.0 + 0.068 + uneven.pin_length / 2.0
     lengths = ThrowLengths(uneven.length, pin, uneven.crank_radius)
     assert imbalance(all_loads(found), lengths, np.array([1e4, -1e5, 0.0])) < 1e-12
-    with pytest.raises(InputError, match="throws that are not alike from both ends; allowed are"):
+    with refused("support"):
         model.reactions((1e4, -1e5, 0.0), Neighbors(90.0, 90.0), **MIDDLE)
 
 
 def test_parts_beside_the_crank_plane_are_refused():
     hole = {"part": "pin", "diameter": 0.02, "angle": 0.7}
     model = made_model(THROW.changed(oil_holes=(hole,)))
-    with pytest.raises(InputError, match=r"reactions: given a model of throws with oil_holes\.0\."):
+    with refused("reactions"):
         model.reactions((0.0, -1e5, 0.0), **MIDDLE)

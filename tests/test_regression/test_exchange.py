@@ -12,6 +12,7 @@ from fem.responses import RESPONSES
 from geometry.throw_dimensions import Counterweight
 from plans import SHARP, plan_of_levels
 from puppets import puppet
+from refusals import refused
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, MEASURED, RUN
@@ -25,6 +26,7 @@ from regression.throw_values import SAME
 
 THROW = SHARP
 NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
+COLUMNS = [f"{n} [{RESPONSES[n].unit}]" if RESPONSES[n].unit else n for n in NAMES]
 # All responses of a throw that fails where the web is 280 mm wide, without finite elements; numbers
 # with all digits, so that a file that rounds them is seen.
 PUPPET = f"""
@@ -100,8 +102,7 @@ def test_an_exported_table_tells_everything_with_units(store, tmp_path):
     assert rows[1]["reason"] == 'MeshError: no, "never"'
     assert rows[1]["axial_compliance_pinned [m/N]"] == ""
     for name in NAMES:
-        unit = RESPONSES[name].unit
-        column = f"{name} [{unit}]" if unit else name
+        column = COLUMNS[NAMES.index(name)]
         assert [float(rows[place][column]) for place in (0, 2)] == table.responses[name].tolist()
         assert float(rows[0][f"{name} error"]) == 0.001 / 3.0
     assert float(rows[0]["seconds [s]"]) == 0.1
@@ -139,7 +140,7 @@ def test_parquet_without_its_package_and_other_formats(store, tmp_path, monkeypa
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(MissingLibraryError, match=r"pip install 'crankfem\[tables\]', or write a"):
         export_table(table, tmp_path / "runs.parquet")
-    with pytest.raises(InputError, match=r"^export: given '.*\.xlsx'; allowed are \.csv and"):
+    with refused("export"):
         export_table(table, tmp_path / "runs.xlsx")
     with pytest.raises(InputError, match=r"^export: given '.*'; there is no folder"):
         export_table(table, tmp_path / "none" / "runs.csv")
@@ -196,14 +197,7 @@ def test_measured_values_stand_apart(store, tmp_path):
 
 def test_earlier_rows_are_fitted_beside_the_studys_own(store, tmp_path):
     run_plan(PLAN, store)
-    responses = [
-        "axial_compliance_pinned [nm/N]"
-        if n == NAMES[0]
-        else f"{n} [{RESPONSES[n].unit}]"
-        if RESPONSES[n].unit
-        else n
-        for n in NAMES
-    ]
+    responses = ["axial_compliance_pinned [nm/N]", *COLUMNS[1:]]
     numbers = [str(n + 1.5) for n in range(len(NAMES))]
     table_of(
         tmp_path / "more.csv",
@@ -225,9 +219,8 @@ def test_earlier_rows_are_fitted_beside_the_studys_own(store, tmp_path):
 
 def full_lines(*lines, factors="web_width [mm],pin_length [mm]"):
     """Lines of role and factors, completed by the same number for every response."""
-    names = [f"{n} [{RESPONSES[n].unit}]" if RESPONSES[n].unit else n for n in NAMES]
     numbers = ",".join(["1.0"] * len(NAMES))
-    return [f"role,{factors}," + ",".join(names), *(f"{line},{numbers}" for line in lines)]
+    return [f"role,{factors}," + ",".join(COLUMNS), *(f"{line},{numbers}" for line in lines)]
 
 
 def test_no_row_is_both_fitted_and_judged_by(store, tmp_path):
@@ -256,19 +249,16 @@ def test_rows_beyond_the_studys_ranges_are_not_fitted(
     store, tmp_path, role, cells, column, given, allowed
 ):
     lines = full_lines(f"{role},{cells}")
-    with pytest.raises(InputError) as caught:
+    with refused(f"bad.csv, line 2, column {column} [mm]") as caught:
         import_results(PLAN, store, table_of(tmp_path / "bad.csv", *lines))
-    assert str(caught.value) == (
-        f"bad.csv, line 2, column {column} [mm]: given {given}; allowed is {allowed}, the study's own "
-        "range, in a line that is fitted or held out, or the role 'measured'."
-    )
+    assert all(words in str(caught.value) for words in (given, allowed))
     table_of(tmp_path / "good.csv", *full_lines(f"measured,{cells}"))
     assert import_results(PLAN, store, tmp_path / "good.csv").rows == 1
 
 
 def test_ratios_beyond_their_range_are_not_fitted(store, tmp_path):
     lines = full_lines("run,1.45,obround", factors="width_ratio,web_outline")
-    with pytest.raises(InputError, match=r"column width_ratio: given 1\.45; allowed is 1\.5 to"):
+    with refused("bad.csv, line 2, column width_ratio"):
         import_results(RATIO, store, table_of(tmp_path / "bad.csv", *lines))
 
 
@@ -350,12 +340,9 @@ def test_tables_of_spreadsheets_are_read(tmp_path, lines):
 
 def test_a_ratio_and_the_dimension_that_follows_must_agree(store, tmp_path):
     head = "web_width [mm],width_ratio,pin_diameter [mm],web_outline,axial_compliance_pinned [m/N]"
-    with pytest.raises(InputError) as caught:
+    with refused("a.csv, line 2, column web_width [mm]") as caught:
         import_results(RATIO, store, table_of(tmp_path / "a.csv", head, "350,1.6,,obround,1e-9"))
-    assert str(caught.value) == (
-        "a.csv, line 2, column web_width [mm]: given 350 mm beside width_ratio = 1.6; allowed is 288 mm, "
-        "which follows from it, or one of the two alone."
-    )
+    assert "288 mm" in str(caught.value)
     # With another pin, given in the line, another width follows.
     lines = ["288,1.6,,,1e-9", "304,1.6,190,obround,1e-9", ",1.6,190,obround,2e-9", "350,,,,1e-9"]
     import_results(RATIO, store, table_of(tmp_path / "b.csv", head, *lines))
@@ -404,47 +391,36 @@ def test_rows_at_the_studys_own_designs_are_counted(store, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("column", "value", "message"),
-    [
-        ("web_thickness [mm]", "70", "given 70 mm; allowed is 68 mm, as the study has it"),
-        ("web_outline", "rectangle", "given rectangle; allowed is obround, as the study has it"),
-        ("model_version", "5", "given 5; allowed is 6, because results of different models must"),
-    ],
+    ("column", "value"),
+    [("web_thickness [mm]", "70"), ("web_outline", "rectangle"), ("model_version", "5")],
 )
-def test_rows_that_do_not_belong_to_the_study_are_not_fitted(
-    store, tmp_path, column, value, message
-):
-    names = [f"{n} [{RESPONSES[n].unit}]" if RESPONSES[n].unit else n for n in NAMES]
-    header = ",".join(["role", "web_width [mm]", "pin_length [mm]", *names, column])
-    cells = ",".join(["run", "300", "150", *["1.0"] * len(names), value])
-    with pytest.raises(InputError) as caught:
+def test_rows_that_do_not_belong_to_the_study_are_not_fitted(store, tmp_path, column, value):
+    header, cells = full_lines("run,300,150")
+    header, cells = f"{header},{column}", f"{cells},{value}"
+    with refused(f"bad.csv, line 2, column {column}"):
         import_results(PLAN, store, table_of(tmp_path / "bad.csv", header, cells))
-    assert str(caught.value).startswith(f"bad.csv, line 2, column {column}: {message}")
     if column != "model_version":  # as a measured throw it may differ
         table_of(tmp_path / "good.csv", header, cells.replace("run", "measured", 1))
         assert import_results(PLAN, store, tmp_path / "good.csv").rows == 1
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "message"),
+    ("name", "content"),
     [
-        ("utf16.csv", b"\xff\xfe\x00w", "is no text in UTF-8; allowed is a CSV table, saved as"),
-        ("latin.csv", "Lager-Länge".encode("latin-1"), "is no text in UTF-8; "),
-        ("zero.csv", b"a,b\n\x00\x01", "is no text in UTF-8; "),
-        ("open.csv", b'a,"b\n', "is no CSV table ("),
-        ("t.parquet", b"PAR1", "is a Parquet table; allowed are a CSV table or another store"),
+        ("utf16.csv", b"\xff\xfe\x00w"),
+        ("latin.csv", "Lager-Länge".encode("latin-1")),
+        ("zero.csv", b"a,b\n\x00\x01"),
+        ("open.csv", b'a,"b\n'),
+        ("t.parquet", b"PAR1"),
     ],
 )
-def test_what_is_no_table_is_refused(store, tmp_path, name, content, message):
+def test_what_is_no_table_is_refused(store, tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(InputError) as caught:
+    with refused(name):
         import_results(PLAN, store, tmp_path / name)
-    assert str(caught.value).startswith(f"{name}: {message}")
-    assert "codec" not in str(caught.value)
-    with pytest.raises(InputError, match=r"^import: given '.*', which is a folder, not a file"):
-        import_results(PLAN, store, tmp_path)
-    with pytest.raises(InputError, match=r"^import: given '.*none\.csv'; there is no such file\.$"):
-        import_results(PLAN, store, tmp_path / "none.csv")
+    for path in (tmp_path, tmp_path / "none.csv"):
+        with pytest.raises(InputError, match=r"^import: given"):
+            import_results(PLAN, store, path)
     assert not store.exists()
 
 
@@ -483,7 +459,7 @@ def test_designs_of_another_store_that_are_the_studys_own_need_no_computing(stor
 )
 def test_a_store_with_nothing_of_the_study_is_refused(store, tmp_path, other):
     run_plan(other, tmp_path / "other.sqlite")
-    with pytest.raises(InputError, match=r"^import: given '.*', in which 3 results are of another"):
+    with refused("import"):
         import_results(PLAN, store, tmp_path / "other.sqlite")
 
 
@@ -492,7 +468,7 @@ def test_results_of_an_earlier_model_are_left_out(store, tmp_path, monkeypatch):
     with monkeypatch.context() as earlier:
         earlier.setattr(study_module, "MODEL_VERSION", 4)
         run_plan(plan_of_levels(THROW, {"web_width": (0.260, 0.310)}, held_out=1), other)
-    with pytest.raises(InputError, match=r"in which 3 results are of another throw, .*model"):
+    with refused("import"):
         import_results(PLAN, store, other)
 
 
@@ -502,5 +478,5 @@ def test_a_store_with_damaged_rows_alone_is_refused_and_it_is_said(store, tmp_pa
     connection.execute("UPDATE designs SET seconds = 9.0")
     connection.commit()
     connection.close()
-    with pytest.raises(InputError, match=r"in which 0 results .*; \d+ rows are damaged in .*other"):
+    with refused("import"):
         import_results(PLAN, store, tmp_path / "other.sqlite")

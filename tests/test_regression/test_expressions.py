@@ -11,6 +11,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankbase.units import is_unit
 from parts_in_a_line import crank_throw
+from refusals import refusals, refused
 from regression.fits.equation_text import equation_text, term_symbols
 from regression.fits.fits import fit_form
 from regression.fits.forms import FittedForm
@@ -108,8 +109,6 @@ def test_expressions_that_cannot_be(text, message):
 
 def test_a_division_by_zero_has_no_value():
     assert not np.isfinite(value_of("pin_diameter / (ratio - ratio)")).any()
-    with pytest.raises(InputError, match=r"which cannot be calculated \(it divides by zero\)"):
-        value_of("pin_diameter / ratio * (1 / 0)")
 
 
 @pytest.mark.parametrize(
@@ -125,7 +124,7 @@ def test_a_division_by_zero_has_no_value():
     ],
 )
 def test_results_of_another_kind(text, unit, message):
-    with pytest.raises(InputError, match=rf"^study\.relations\.x: given .*, {message}\."):
+    with refused("study.relations.x"):
         value_of(text, unit)
 
 
@@ -189,7 +188,7 @@ def test_the_reason_shows_both_sides():
     ],
 )
 def test_constraints_that_cannot_be(text, message):
-    with pytest.raises(InputError, match=rf"^study\.constraints\[0\]: given .*{message}") as caught:
+    with refused("study.constraints[0]") as caught:
         reasons(text)
     assert str(caught.value).endswith(".")
 
@@ -198,7 +197,7 @@ def test_constraints_that_cannot_be(text, message):
 def test_relations_that_go_round(texts):
     units = dict.fromkeys("abc", "m")
     read = {name: read_expression(text, name, units) for name, text in texts.items()}
-    with pytest.raises(InputError, match=r"^study\.relations: given a circle \(.* -> .*\)"):
+    with refused("study.relations"):
         evaluation_order(read)
 
 
@@ -235,7 +234,7 @@ def test_no_field_of_a_throw_is_a_unit():
     ],
 )
 def test_no_expression_takes_long_or_ends_unexpectedly(text):
-    with pytest.raises(InputError, match=r"^study\.relations\.x: given "):
+    with refused("study.relations.x"):
         value_of(text)
 
 
@@ -365,3 +364,8 @@ def test_cubic_terms_and_their_order():
     )
     assert equation_text(cubic, symbol="y", unit="") == "y = (1 + 2 a^2 b + 3 b^3)"
     assert term_symbols(cubic) == ("1", "a^2 b", "b^3")
+
+
+test_refused_calls = refusals(
+    ("study.relations.x", lambda: value_of("pin_diameter / ratio * (1 / 0)")),
+)

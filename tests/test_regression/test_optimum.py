@@ -9,6 +9,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from refusals import refusals_of, refused
 from regression.fits import fits as module
 from regression.fits.fits import (
     JudgedEquation,
@@ -217,19 +218,19 @@ def test_what_cannot_be_kept_is_told_with_how_near_one_comes(model):
 @pytest.mark.slow
 def test_two_limits_against_each_other(model):
     limits = [Limit(("axial_compliance",), at_most=0.9e-9), Limit(("mass",), at_most=120.0)]
-    with pytest.raises(InputError, match=r"axial_compliance <= .*; mass <= "):
+    with refused("limits"):
         find_optimum(model, "web_thickness", limits)
 
 
 @pytest.mark.parametrize(
     ("arguments", "match"),
     [
-        (("color", []), "minimize: given 'color'; allowed are the responses axial_compliance"),
-        (("mass", [Limit(("hue",), at_most=1.0)]), "quantity: given 'hue'"),
+        (("color", []), "minimize"),
+        (("mass", [Limit(("hue",), at_most=1.0)]), "quantity"),
     ],
 )
 def test_unknown_names(model, arguments, match):
-    with pytest.raises(InputError, match=match):
+    with refused(match):
         find_optimum(model, *arguments)
 
 
@@ -246,20 +247,15 @@ def test_unusable_fixed_factors(model, fixed, match):
         find_optimum(model, "mass", [], fixed=fixed)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "match"),
-    [
-        ({"quantities": ("mass",)}, "given at most None, at least None"),
-        ({"quantities": ("mass",), "at_most": 1.0, "at_least": 0.0}, "one finite bound"),
-        ({"quantities": ("mass",), "at_most": float("nan")}, "one finite bound"),
-        ({"quantities": (), "at_most": 1.0}, "at least one"),
-        ({"quantities": "mass", "at_most": 1.0}, "allowed is a tuple of names"),
-        ({"quantities": ("mass", "web_width"), "at_most": 1.0}, "given 2 quantities"),
-    ],
+test_unusable_limits = refusals_of(
+    lambda arguments: Limit(**arguments),
+    ({"quantities": ("mass",)}, "limit on mass"),
+    ({"quantities": ("mass",), "at_most": 1.0, "at_least": 0.0}, "limit on mass"),
+    ({"quantities": ("mass",), "at_most": float("nan")}, "limit on mass"),
+    ({"quantities": (), "at_most": 1.0}, "limit"),
+    ({"quantities": "mass", "at_most": 1.0}, "limit"),
+    ({"quantities": ("mass", "web_width"), "at_most": 1.0}, "limit on mass, web_width"),
 )
-def test_unusable_limits(arguments, match):
-    with pytest.raises(InputError, match=match):
-        Limit(**arguments)
 
 
 def test_a_box_of_one_throw_is_that_throw_and_limits_may_take_fixed_dimensions(model):
@@ -272,7 +268,7 @@ def test_a_box_of_one_throw_is_that_throw_and_limits_may_take_fixed_dimensions(m
 
 def test_a_function_without_a_value_is_refused(model):
     limit = Limit(("mass",), at_most=1.0, function=lambda _: float("nan"), name="f")
-    with pytest.raises(InputError, match="f: given a function that returns nan"):
+    with refused("f"):
         find_optimum(model, "mass", [limit])
 
 
@@ -312,7 +308,7 @@ def test_elasticity_at_nothing():
 
     zero = Factor("a", "m", 0.0, 1.0)
     assert elasticities(through_zero, (zero,), (0.0,)) == [0.0]
-    with pytest.raises(InputError, match="nominal: given factors at which the response is 0"):
+    with refused("nominal"):
         elasticities(lambda x: x[:, 0], (zero,), (0.0,))
 
 

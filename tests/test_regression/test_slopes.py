@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
-from crankbase.errors import InputError
 from fem.material import STEEL
+from refusals import refused
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS, group_named
 from regression.models.compliance_model import ComplianceModel
@@ -136,11 +136,11 @@ def test_outside_the_range_slopes_warn_or_are_refused_as_values():
         model.slopes("axial_compliance", **outside)
     assert caught[0].filename == __file__
     for ask in (model.axial_compliance, lambda **of: model.slopes("axial_compliance", **of)):
-        with pytest.raises(InputError, match="web_thickness: given 20 mm"):
+        with refused("web_thickness"):
             ask(strict=True, **outside)
-        with pytest.raises(InputError, match="web_thickness"):
+        with refused("web_thickness"):
             ask(**outside | {"web_thickness": 70.0})
-    with pytest.raises(InputError, match="response: given 'mass'"):
+    with refused("response"):
         model.slopes("mass", **outside)
 
 
@@ -188,7 +188,7 @@ def test_slopes_need_the_factors(related):
         "web_thickness": 0.07,
         "main_journal_length": 0.395 - 2.0 * 0.07**1.5,
     }
-    with pytest.raises(InputError, match="given without the factors"):
+    with refused("web_width"):
         related.slopes("axial_compliance", **columns)
 
 
@@ -208,5 +208,5 @@ def test_a_root_of_zero_has_no_slope(power):
     chained = 0.3 * direct["pin_length"].value * float(power) * 0.01 ** (float(power) - 1.0)
     slopes = model.slopes("axial_compliance", fillet_radius=0.01, **at)
     assert slopes["fillet_radius"].value == close(chained, rel=1e-12)
-    with pytest.raises(InputError, match="fillet_radius: given a value at which axial_compliance"):
+    with refused("fillet_radius"):
         model.slopes("axial_compliance", fillet_radius=[0.0, 0.01], **at)
