@@ -10,7 +10,7 @@ from crankbase.errors import InputError
 
 @contextmanager
 def refused(field=""):
-    """Expect that input is refused by one sentence about this field, or any: what was given; what is allowed."""
+    """Expect that input is refused by one sentence about this field, or about any."""
     with pytest.raises(InputError) as caught:
         yield caught
     sentence = str(caught.value)

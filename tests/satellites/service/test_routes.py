@@ -178,7 +178,9 @@ def test_an_analysis_gives_what_the_library_gives(client, throw):
     assert client.result(job)["fillets"]["loads"]
 
 
-def test_models_are_listed_described_and_looked_up(client, throw):
+def test_models_are_listed_described_and_looked_up(serve, models, tmp_path, throw):
+    # A service of its own: models of studies that others have it make are listed, too.
+    client = Client(serve(tmp_path, "--models", str(models)).address)
     assert client.models() == ["six"]
     assert client.describe_model("six").ranges["web_thickness"] == (0.045, 0.09)
     one = client.lookup("six", throw=throw).responses["axial_compliance"]
