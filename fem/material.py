@@ -65,7 +65,7 @@ class Material(InputModel):
         density, of_steel = (amount(value, "kg/m^3") for value in (self.density, 7850.0))
         odd = "low" if specific < SPECIFIC_MODULUS[0] else "high"
         return (
-            f"material.youngs_modulus: {modulus} is {odd} for {density}; steel has {steel} at {of_steel}, "
+            f"{modulus} is {odd} for {density}; steel has {steel} at {of_steel}, "
             "and other metals of crankshafts a like ratio: check both"
         )
 

@@ -11,16 +11,16 @@ from numpy.typing import ArrayLike
 from crankbase.array_checks import FloatArray
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
-from crankbase.sentences import finished, kept
+from crankbase.sentences import kept
 from crankfem.files.engine.engine_file import EngineFile, load_engine, load_mechanism
 from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.full_load import by_gas
 from crankfem.files.engine.mechanism_cylinders import firing_evenness
 from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
-from crankfem.files.engine.usual_parts import EngineScale, part_warnings
+from crankfem.files.engine.usual_parts import EngineScale, material_warnings, part_warnings
 from crankfem.files.engine.usual_sizes import size_warnings
 from crankfem.files.engine.usual_tables import table_warnings
-from crankfem.files.reading.toml_file import TomlFile
+from crankfem.files.reading.toml_file import InputWarning, TomlFile
 from crankfem.files.sections.mechanism_sections import load_points
 from dynamics.engine.forces import full_load_cycles
 from dynamics.engine.layout import EngineLayout, RotatingMass
@@ -47,16 +47,25 @@ def load_any(path: str | Path | TomlFile) -> EngineFile | ThrowFile:
 
 def input_warnings(engine_file: EngineFile) -> tuple[str, ...]:
     """Name what is far outside of practice, and so perhaps a slip."""
-    material, power = engine_file.material.remark, engine_file.power
-    warnings = [*firing_evenness(engine_file.engine).warnings]
-    if material is not None:
-        warnings.append(material)
+    return tuple(warning.sentence for warning in warned_inputs(engine_file))
+
+
+def warned_inputs(engine_file: EngineFile) -> tuple[InputWarning, ...]:
+    """Return what is far outside of practice, by fields."""
+    power, scale = engine_file.power, EngineScale(engine_file)
+    warnings = [
+        *firing_evenness(engine_file.engine).warnings,
+        *material_warnings(engine_file.material),
+    ]
     if power is not None and not power.consistent:
         text = kept(power.sentence)
-        warnings.append(f"engine.rated_power: {text[0].lower()}{text[1:]}")
-    scale = EngineScale(engine_file)
-    warnings += [*size_warnings(engine_file), *part_warnings(scale), *table_warnings(scale)]
-    return tuple(map(finished, warnings))
+        warnings.append(InputWarning("engine.rated_power", f"{text[0].lower()}{text[1:]}"))
+    return (
+        *warnings,
+        *size_warnings(engine_file),
+        *part_warnings(scale),
+        *table_warnings(scale),
+    )
 
 
 def with_throws(

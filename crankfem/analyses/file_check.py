@@ -25,7 +25,13 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.engine.used_values import USES, not_used
-from crankfem.files.engine.usual_parts import POISSON, first_nodes, near_angles, study_warnings
+from crankfem.files.engine.usual_parts import (
+    POISSON,
+    first_nodes,
+    material_warnings,
+    near_angles,
+    study_warnings,
+)
 from crankfem.files.engine.usual_sizes import throw_warnings
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.satellites import at_place, satellite_files, uses_of_satellites
@@ -213,7 +219,7 @@ def _checked(file: str | TomlFile, content: TomlFile | None) -> CheckedFile:
     if "study" in content.sections:
         study = load_study(content)
         _ = study.planned  # refuses a study of which nothing can be built
-        of_study = tuple(study_warnings(study))
+        of_study = tuple(warning.sentence for warning in study_warnings(study))
     if isinstance(read, ThrowFile):
         checked = _throw(read, content)
     else:
@@ -267,28 +273,25 @@ def throw_shape(throw: CrankThrow) -> Shape:
 
 def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if "study" in content.sections else ()
-    shaft = content.model("shaft", ShaftLayout)
+    shaft, material = content.model("shaft", ShaftLayout), read.material
+    poisson = material.poisson_ratio
+    warnings = (
+        *material_warnings(material),
+        *throw_warnings(read.throws),
+        *POISSON.warning_of("material.poisson_ratio", poisson, "", poisson / STEEL.poisson_ratio),
+        *near_angles("shaft.throw_angles", None if shaft is None else shaft.throw_angles),
+    )
     return CheckedFile(
         read.path,
         "throw",
         None,
         tuple(content.sections),
-        (*THROW_COMMANDS, *_lookup(read.throw, read.material), *study),
+        (*THROW_COMMANDS, *_lookup(read.throw, material), *study),
         read.records,
         read.throw,
-        warnings=(
-            *(() if read.material.remark is None else (read.material.remark,)),
-            *throw_warnings(read.throws),
-            *POISSON.warning_of(
-                "material.poisson_ratio",
-                read.material.poisson_ratio,
-                "",
-                read.material.poisson_ratio / STEEL.poisson_ratio,
-            ),
-            *near_angles("shaft.throw_angles", None if shaft is None else shaft.throw_angles),
-        ),
+        warnings=tuple(warning.sentence for warning in warnings),
         throws={} if PLAIN in read.throws else read.throws,
-        material=read.material,
+        material=material,
     )
 
 
@@ -333,7 +336,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     behind = read.behind_coupling
     if behind is not None and behind.loss_factor:
         remarks.append(f"coupling: {in_all_conventions(behind.loss_factor)}")
-    remarks += [sentence for sentence, twice in first_nodes(read) if not twice]
+    remarks += [added.sentence for added, twice in first_nodes(read) if not twice]
     if read.gas is None:
         remarks.append(_without_gas())
     if read.limits is not None or read.strength is not None:

@@ -108,6 +108,8 @@ class RunResults(Result):
         Of the throw at the free end.
     throws : mapping or None
         Of an engine with several throws, by their names.
+    warned_fields : tuple of str
+        What the warnings of the input are about.
     pictures, interactive : dict
         Names of static pictures and of interactive plots to their files.
     """
@@ -116,6 +118,7 @@ class RunResults(Result):
     engine: EngineFacts
     inputs: tuple[InputRecord, ...]
     input_warnings: tuple[str, ...]
+    warned_fields: tuple[str, ...]
     sources: dict[str, str]
     throw: ThrowResults
     formulas: Formulas

@@ -113,7 +113,7 @@ def run_engine(
     check_workers(workers)
     inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
     for warning in inputs.warnings:
-        reporter.warn(f"{warning}.")
+        reporter.warn(f"{warning.sentence}.")
     path = inputs.engine_file.path
     folder = Path(f"{path.stem}-results" if output is None else output)
     read, study = inputs.paths, inputs.study is not None

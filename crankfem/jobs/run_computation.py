@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from crankfem.analyses.engine_mechanism import engine_inputs, input_warnings
+from crankfem.analyses.engine_mechanism import engine_inputs, warned_inputs
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.provenance import UsedFile, used_files
@@ -14,7 +14,7 @@ from crankfem.analyses.study.studies import StudyResult
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.file_kinds import engine_sections
-from crankfem.files.reading.toml_file import TomlFile
+from crankfem.files.reading.toml_file import InputWarning, TomlFile
 from dynamics.harmonics import Harmonics, TorqueTable, read_torque_table
 from fem.analysis import ThrowAnalysis
 from fem.fillet_peaks import FilletStresses
@@ -28,7 +28,7 @@ class RunInputs:
 
     Attributes
     ----------
-    warnings : tuple of str
+    warnings : tuple of InputWarning
         Of what is far outside of practice.
     torque : TorqueTable or None
         The table that the file names.
@@ -44,7 +44,7 @@ class RunInputs:
     """
 
     engine_file: EngineFile
-    warnings: tuple[str, ...]
+    warnings: tuple[InputWarning, ...]
     torque: TorqueTable | None
     paths: tuple[Path, ...]
     files: tuple[UsedFile, ...]
@@ -83,7 +83,7 @@ def read_inputs(engine: str | Path | TomlFile, model: Path | None = None) -> Run
     files = used_files(read)
     return RunInputs(
         engine_file,
-        input_warnings(engine_file),
+        warned_inputs(engine_file),
         torque,
         tuple(file.path for file in read),
         files,

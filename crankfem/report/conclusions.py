@@ -515,10 +515,11 @@ def _warned(results: "RunResults") -> list[Finding]:
     warnings = results.input_warnings
     chains = (results.vibration.axial, results.vibration.torsional)
     statements = [sentence(chain.formula_note) for chain in chains if chain.formula_note]
-    fields = tuple(dict.fromkeys(warning.partition(":")[0] for warning in warnings))
-    if fields:
+    fields = results.warned_fields
+    if warnings:
         noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
-        checked = f"Check the input: {noun} about {', '.join(fields)}"
+        about = f" about {', '.join(fields)}" if fields else ""
+        checked = f"Check the input: {noun}{about}"
         statements.insert(0, f"{checked} (report: Inputs and assumptions).")
     return [Finding("Input", "inputs", 3, (text,), (text,), fields) for text in statements]
 

@@ -272,6 +272,16 @@ def test_of_a_throw_that_is_like_another_the_fields_that_it_replaces_are_not_use
     assert unused_throws(FULL["full-vee"], None) == ["throws.rear"]
 
 
+@pytest.mark.parametrize("overhang", ['"55 mm"', None])
+def test_a_flange_tells_at_most_where_the_flywheel_is(tmp_path, edit, overhang):
+    text = edit(FULL["full-set"].read_text(encoding="utf-8"), {"flywheel.overhang": overhang})
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    names = not_used(read_toml(tmp_path / "mine.toml"), "vibration --coupled")
+    assert "shaft_ends.flange_diameter" in names
+    assert ("shaft_ends.flange_thickness" in names) is (overhang is not None)
+    assert "shaft_ends.free_end_length" not in names
+
+
 def test_values_in_whose_place_others_stand_are_named():
     names = not_used(read_toml(FULL["full-throw"]), "throw")
     both = ("outline", "tip_thickness", "foot_thickness", "journal_end", "pin_end")

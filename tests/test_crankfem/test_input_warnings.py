@@ -9,7 +9,6 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.sentences import finished
 from crankfem.analyses.engine_mechanism import input_warnings, load_any
 from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
@@ -34,6 +33,10 @@ from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight
 from regression.formulas.axial_formulas import axial_formulas
 from regression.law.throw_law import torsional_law
+
+
+def sentences(warnings):
+    return [warning.sentence for warning in warnings]
 
 
 @pytest.fixture(scope="module")
@@ -275,7 +278,7 @@ def test_a_throw_alone_and_by_name(call, tmp_path):
     answer = call("check", "mine.toml", "--json")
     assert all(one.startswith("throw.") for one in answer.json()["warnings"])
     throw = load_any("6chn25-34").throw.changed(main_journal_length=0.5)
-    (warning,) = map(finished, throw_warnings({"a": throw}))
+    (warning,) = sentences(throw_warnings({"a": throw}))
     assert warning.startswith("throws.a.main_journal_length: given 500 mm, which is 2.27 times")
 
 
@@ -325,7 +328,7 @@ def test_an_order_that_fits_both_senses_turns_so_that_it_fires_evenly():
 
 def test_uneven_firing_is_told():
     angles = tuple(math.radians(angle) for angle in (0.0, 90.0, 240.0))
-    (warning,) = firing_evenness(three_cylinders(crank_angles=angles)).warnings
+    (warning,) = sentences(firing_evenness(three_cylinders(crank_angles=angles)).warnings)
     assert "fire at uneven intervals of 240, 210, 270 deg; no firing order is even" in warning
     assert warning.endswith("so check them unless the engine is built so")
 
@@ -334,7 +337,7 @@ def test_an_even_order_is_proposed():
     """Five cranks 72 deg apart: every second one must follow for 144 deg between firings."""
     angles = tuple(math.radians(angle) for angle in (0.0, 288.0, 216.0, 144.0, 72.0))
     engine = three_cylinders(cylinders=5, crank_angles=angles, firing_order=(1, 2, 3, 4, 5))
-    (warning,) = firing_evenness(engine).warnings
+    (warning,) = sentences(firing_evenness(engine).warnings)
     assert "1-2-3-4-5, which fires at uneven intervals of 72, 72, 72, 72, 432 deg" in warning
     assert "an order such as 1-3-5-2-4 fires every 144 deg with the same cranks" in warning
     assert firing_evenness(engine.changed(firing_order=(1, 3, 5, 2, 4))) == FiringEvenness()
@@ -358,7 +361,7 @@ def test_the_least_uneven_order_is_proposed(cranks, given, warned):
     )
     found = firing_evenness(engine)
     assert bool(found.warnings) == warned
-    (said,) = (*found.warnings, *found.notes)
+    (said,) = sentences((*found.warnings, *found.notes))
     assert f"uneven intervals of {given}" in said
     assert given in firing_sentence(engine)
     if not warned:
@@ -384,7 +387,7 @@ def test_the_least_uneven_order_is_proposed(cranks, given, warned):
 def test_cylinders_alone_at_the_top_are_named():
     angles = tuple(math.radians(angle) for angle in (0.0, 120.0, 240.0, 240.0, 110.0, 0.0))
     engine = three_cylinders(cylinders=6, crank_angles=angles, firing_order=(1, 5, 3, 6, 2, 4))
-    (warning,) = firing_evenness(engine).warnings
+    (warning,) = sentences(firing_evenness(engine).warnings)
     assert "(not in pairs at the top: cylinders 2, 5)" in warning
 
 
@@ -402,7 +405,7 @@ def test_engines_built_uneven_get_a_note(cylinders, angles, banks):
     )
     found = firing_evenness(engine)
     assert not found.warnings
-    assert "no firing order is even with these crank" in found.notes[0]
+    assert "no firing order is even with these crank" in found.notes[0].text
 
 
 @pytest.mark.parametrize(
@@ -636,7 +639,9 @@ def test_a_pressure_table_that_looks_like_a_slip(measured, change, said):
     angles, pressure = measured
     mechanism = load_any("6chn25-34")
     table = gas_pressure(change(pressure), 4, angles_deg=angles)
-    warnings = list(pressure_warnings(table, mechanism.layout, mechanism.gas.compression_ratio))
+    warnings = sentences(
+        pressure_warnings(table, mechanism.layout, mechanism.gas.compression_ratio)
+    )
     assert any(said in one for one in warnings) if said else not warnings
 
 

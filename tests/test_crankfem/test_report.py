@@ -183,7 +183,8 @@ def test_without_gas_pressure_critical_speeds_stand_in_for_resonances(results, p
 def test_warnings_of_the_input_stand_in_verdict_and_inputs(results, page, changed):
     assert "Check the input" not in page(changed(results)).section("verdict")
     warnings = ["rod.length: given 7.2 m", "throw: 554 mm, which is", "rod.length: once more"]
-    found = page(changed(results | {"input_warnings": warnings}))
+    about = ["rod.length", "throw"]
+    found = page(changed(results | {"input_warnings": warnings, "warned_fields": about}))
     told = "Check the input: 3 warnings about rod.length, throw (report: Inputs and assumptions)."
     assert told in found.section("verdict")
     assert "Warning: throw: 554 mm, which is. Warning: rod.length: once more." in found.section(

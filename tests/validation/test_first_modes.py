@@ -52,6 +52,7 @@ def test_summary_names_the_lowest_mode_and_that_of_the_crankshaft(run):
         vibration=run,
         inputs=[],
         input_warnings=[],
+        warned_fields=[],
         checks=[],
         throw=throw,
         strength=None,

@@ -136,12 +136,13 @@ class EngineVibration(Result):
     @cached_property
     def firing_remarks(self) -> Part[tuple[str, ...]]:
         """Remarks on the evenness of firing."""
-        return tuple(firing_evenness(self.engine_file.engine).notes)
+        return tuple(note.sentence for note in firing_evenness(self.engine_file.engine).notes)
 
     @cached_property
     def firing_warnings(self) -> Part[tuple[str, ...]]:
         """What looks wrong in it."""
-        return tuple(firing_evenness(self.engine_file.engine).warnings)
+        evenness = firing_evenness(self.engine_file.engine)
+        return tuple(warning.sentence for warning in evenness.warnings)
 
     @cached_property
     def forced_by_kind(

@@ -427,7 +427,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
     def remarks(self) -> tuple[str, ...]:
         """What is assumed of the mechanism beyond its sections."""
         remarks = inertia_remarks(self.rod, self.hinged_rods)
-        remarks += firing_evenness(self.engine).notes
+        remarks += [note.sentence for note in firing_evenness(self.engine).notes]
         if side_by_side(self.throw, self.throws, self.hinged_rods):
             remarks.insert(
                 0,

@@ -9,7 +9,8 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
-from crankbase.sentences import angle, capital, finished, listed, with_sentences
+from crankbase.sentences import angle, capital, finished, listed
+from crankfem.files.reading.toml_file import InputWarning
 from crankfem.files.sections.crank_throws import ShaftLayout
 from crankfem.files.sections.engine_sections import Engine
 from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
@@ -270,21 +271,20 @@ def _positions(
 MUCH = 2.0
 
 
-@with_sentences
 @dataclass(frozen=True)
 class FiringEvenness:
     """What to say of firing intervals that are not even.
 
     Attributes
     ----------
-    warnings : tuple of str
+    warnings : tuple of InputWarning
         Of what looks like a slip.
-    notes : tuple of str
+    notes : tuple of InputWarning
         Of what only some engines have.
     """
 
-    warnings: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    warnings: tuple[InputWarning, ...] = ()
+    notes: tuple[InputWarning, ...] = ()
 
 
 def firing_evenness(engine: Engine) -> FiringEvenness:
@@ -298,8 +298,10 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
         return FiringEvenness()
     order = engine.top_order
     together = tuple(
-        f"engine.firing_order: cylinders {order[place]} and {order[(place + 1) % len(order)]} fire at the "
-        "same time"
+        InputWarning(
+            "engine.firing_order",
+            f"cylinders {order[place]} and {order[(place + 1) % len(order)]} fire at the same time",
+        )
         for place, step in enumerate(steps)
         if step < np.degrees(EVEN)
     )
@@ -308,9 +310,10 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
     given_order = "-".join(map(str, order))
     if even is not None:
         every = sum(steps) / len(steps)
-        better = (
-            f"engine.firing_order: given {given_order}, which fires at uneven intervals of {uneven}; an "
-            f"order such as {'-'.join(map(str, even))} fires every {angle(every)} with the same cranks"
+        better = InputWarning(
+            "engine.firing_order",
+            f"given {given_order}, which fires at uneven intervals of {uneven}; an "
+            f"order such as {'-'.join(map(str, even))} fires every {angle(every)} with the same cranks",
         )
         return FiringEvenness((*together, better))
     banked = engine.bank_angles is not None
@@ -324,15 +327,15 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
         at = intervals_text([float(np.degrees(angle)) for angle in best[1]])
         fires += f", and the least uneven is such as {such} at {at}"
         if engine.cylinders > 2 and spread > MUCH * least:
-            return FiringEvenness((*together, f"engine.firing_order: given {given_order}; {fires}"))
+            better = InputWarning("engine.firing_order", f"given {given_order}; {fires}")
+            return FiringEvenness((*together, better))
     elif best is not None:
         fires += ", or less uneven than this one"
-    uneven = f"engine.crank_angles: {fires}"
+    of_cranks = InputWarning("engine.crank_angles", fires)
     if banked or engine.cylinders < 3:
-        return FiringEvenness(together, (uneven,))
-    return FiringEvenness(
-        (*together, f"{uneven}{_alone(engine)}, so check them unless the engine is built so")
-    )
+        return FiringEvenness(together, (of_cranks,))
+    hint = f"{_alone(engine)}, so check them unless the engine is built so"
+    return FiringEvenness((*together, of_cranks.with_hint(hint)))
 
 
 def firing_sentence(engine: Engine) -> str:

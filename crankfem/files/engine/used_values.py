@@ -105,7 +105,11 @@ USES: Mapping[str, Use] = {
         ),
     ),
     "vibration": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *WHOLE, *CLASS_ALONE, SKIRT)),
-    "vibration --coupled": ((ALL, "strength.tensile_strength"), (*RUN_ALONE, *CLASS_ALONE, SKIRT)),
+    "vibration --coupled": (
+        (ALL, "strength.tensile_strength"),
+        # Solids alone have a flange; its thickness tells where the flywheel is.
+        (*RUN_ALONE, *CLASS_ALONE, SKIRT, "shaft_ends.flange_diameter"),
+    ),
     "vibration of a chain": ((ALL,), ("chain.dashpots", *(f"*.{name}" for name in FREE))),
     "run": ((ALL,), (*CLASS_ALONE, SKIRT)),
 }
@@ -192,6 +196,8 @@ def _without_effect(
     limits, line = fields.get("limits", set()), fields.get("shaft_line", set())
     if WHOLE[0] in without and "plant" in line:
         yield from ROTATING  # which the plant's chain has; only the whole crankshaft takes them
+    if command == "vibration --coupled" and "overhang" in fields.get("flywheel", ()):
+        yield "shaft_ends.flange_thickness"
     if "crankshaft_stress" in limits:
         yield from STEEL
     if {"crankshaft_stress", "tensile_strength"} & limits and not command.startswith("run"):

@@ -13,7 +13,8 @@ from crankbase.table import text_rows
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import inertia_of_masses
 from crankfem.files.engine.usual_sizes import PRACTICE, SHIPPED, UsualRange
-from fem.material import STEEL
+from crankfem.files.reading.toml_file import InputWarning
+from fem.material import STEEL, Material
 
 if TYPE_CHECKING:
     from regression.plans.plan import StudyPlan
@@ -199,7 +200,13 @@ PARTS = {
 POISSON = PARTS["material.poisson_ratio"][1]
 
 
-def part_warnings(scale: EngineScale) -> Iterator[str]:
+def material_warnings(material: Material) -> tuple[InputWarning, ...]:
+    """Name a modulus that does not go with the density."""
+    remark = material.remark
+    return () if remark is None else (InputWarning("material.youngs_modulus", remark),)
+
+
+def part_warnings(scale: EngineScale) -> Iterator[InputWarning]:
     """Name the values of parts, limits and throw angles that are far outside of practice."""
     for field, (compared, usual) in PARTS.items():
         value = scale.value(field)
@@ -212,7 +219,7 @@ def part_warnings(scale: EngineScale) -> Iterator[str]:
     yield from near_angles("engine.bank_angles", engine.bank_angles)
     yield from _counterweights(scale)
     yield from _driven(scale)
-    yield from (sentence for sentence, twice in first_nodes(scale.file) if twice)
+    yield from (warning for warning, twice in first_nodes(scale.file) if twice)
 
 
 DRIVEN = Practice(0.3, 3.0, "is {} that of engine and flywheel", margin=5.0)
@@ -228,7 +235,7 @@ RUBBER = Practice(
 ANY_COUPLING = Practice(2.5, 1000.0, "is {} the rated torque for each radian")
 
 
-def _driven(scale: EngineScale) -> Iterator[str]:
+def _driven(scale: EngineScale) -> Iterator[InputWarning]:
     """Compare a driven machine and its coupling with the rated torque."""
     driven = scale.part("driven")
     if driven is None:
@@ -248,7 +255,7 @@ def _driven(scale: EngineScale) -> Iterator[str]:
 FLYWHEEL_AGAIN = (0.5, 2.0)
 
 
-def first_nodes(file: EngineFile) -> Iterator[tuple[str, bool]]:
+def first_nodes(file: EngineFile) -> Iterator[tuple[InputWarning, bool]]:
     """Say what a line's first node adds to the flywheel, and whether that is perhaps counted twice."""
     wheel = file.flywheel
     if wheel is None:
@@ -258,18 +265,19 @@ def first_nodes(file: EngineFile) -> Iterator[tuple[str, bool]]:
             continue
         added = float(line.inertia[0])
         twice = FLYWHEEL_AGAIN[0] <= added / size <= FLYWHEEL_AGAIN[1]
-        sentence = (
-            f"shaft_line.{kind}: its first node {line.names[0]!r} is the flywheel, and adds "
+        text = (
+            f"its first node {line.names[0]!r} is the flywheel, and adds "
             f"{amount(added, unit, 4)} to the {amount(size, unit, 4)} of [flywheel]"
         )
-        yield sentence + ("; perhaps both files give the flywheel" if twice else ""), twice
+        hint = "; perhaps both files give the flywheel" if twice else ""
+        yield InputWarning(f"shaft_line.{kind}", text + hint), twice
 
 
 # Throws and banks are at one angle, or further apart than this [deg].
 NEAREST_ANGLES = 5.0
 
 
-def near_angles(field: str, angles: Sequence[float] | None) -> Iterator[str]:
+def near_angles(field: str, angles: Sequence[float] | None) -> Iterator[InputWarning]:
     """Tell of angles that differ by less than any throws or banks do."""
     between = [
         abs(math.degrees(math.remainder(first - second, math.tau)))
@@ -277,9 +285,10 @@ def near_angles(field: str, angles: Sequence[float] | None) -> Iterator[str]:
     ]
     near = [gap for gap in between if 1e-3 < gap < NEAREST_ANGLES]
     if near:
-        yield (
-            f"{field}: two of these differ by {angle(min(near), 3)}; usual is one angle or at least "
-            f"{angle(NEAREST_ANGLES)} between them ({PRACTICE})"
+        yield InputWarning(
+            field,
+            f"two of these differ by {angle(min(near), 3)}; usual is one angle or at least "
+            f"{angle(NEAREST_ANGLES)} between them ({PRACTICE})",
         )
 
 
@@ -287,7 +296,7 @@ def near_angles(field: str, angles: Sequence[float] | None) -> Iterator[str]:
 BESIDE_ROD = 0.05
 
 
-def _counterweights(scale: EngineScale) -> Iterator[str]:
+def _counterweights(scale: EngineScale) -> Iterator[InputWarning]:
     """Tell of counterweights and webs that reach the piston at the bottom, or the rod."""
     file = scale.file
     skirt = file.piston.skirt_length or 0.0
@@ -299,24 +308,26 @@ def _counterweights(scale: EngineScale) -> Iterator[str]:
             thickness = (web and web.thickness) or throw.web_thickness
             reach = max(weight.outer_radius if weight else 0.0, 0.5 * throw.web_width)
             if reach >= room:
-                yield (
-                    f"{section}: counterweight or web reaches {amount(reach, 'm', 4)} from the "
+                yield InputWarning(
+                    section,
+                    f"counterweight or web reaches {amount(reach, 'm', 4)} from the "
                     f"shaft axis on the {side}, where {'the skirt' if skirt else 'the piston pin'} comes "
-                    f"down to {amount(room, 'm', 4)}: they meet"
+                    f"down to {amount(room, 'm', 4)}: they meet",
                 )
             over = weight and weight.offset + 0.5 * ((weight.thickness or thickness) - thickness)
             if over and over > BESIDE_ROD * throw.pin_length:
-                yield (
-                    f"{section}.counterweight: reaches {amount(over, 'm', 4)} over the pin on the "
+                yield InputWarning(
+                    f"{section}.counterweight",
+                    f"reaches {amount(over, 'm', 4)} over the pin on the "
                     f"{side}, where the rod's big end is; usual is at most {BESIDE_ROD:g} of pin_length, "
-                    f"{amount(BESIDE_ROD * throw.pin_length, 'm', 4)} ({PRACTICE})"
+                    f"{amount(BESIDE_ROD * throw.pin_length, 'm', 4)} ({PRACTICE})",
                 )
 
 
 LEVELS = Practice(0.5, 1.5, "is {} that of the throw", margin=3.0)
 
 
-def study_warnings(study: "StudyPlan") -> Iterator[str]:
+def study_warnings(study: "StudyPlan") -> Iterator[InputWarning]:
     """Name levels of a study that are far from the throw that it varies."""
     for factor in study.factors:
         usual = getattr(study.throw, factor.name, None)

@@ -10,6 +10,7 @@ from crankbase.model import GD2_OF_INERTIA, gd2_name
 from crankbase.quantity import PER_MINUTE, RPM, UNITS, format_number, percent
 from crankbase.sentences import amount, listed
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.reading.toml_file import InputWarning
 from crankfem.files.sections.crank_throws import PLAIN
 from dynamics.excitation.pressure_map import EnginePower
 from dynamics.gas.pressure import ATMOSPHERE
@@ -44,12 +45,13 @@ class UsualRange:
     power: float = 1.0
     slips: tuple[tuple[float, str], ...] = ()
 
-    def warning(self, field: str, text: str, value: float) -> Iterator[str]:
-        """Give the sentence about a value far outside of the range; none about any other."""
+    def warning(self, field: str, text: str, value: float) -> Iterator[InputWarning]:
+        """Give the warning of a value far outside of the range; none about any other."""
         if self.low / self.margin <= value <= self.high * self.margin:
             return
         shown = self.meaning.format(self._written(value, digits=3))
-        yield f"{field}: {text}, which {shown}; usual is {self._written(self.low, self.high)} ({self.basis})"
+        usual = f"usual is {self._written(self.low, self.high)} ({self.basis})"
+        yield InputWarning(field, f"{text}, which {shown}; {usual}")
 
     def _written(self, *values: float, digits: int = 6) -> str:
         """Write values of the ratio with its unit behind the last one."""
@@ -58,9 +60,11 @@ class UsualRange:
             return listed([size * value for value in values], unit, digits, " to ", shown=self.unit)
         return f"{' to '.join(format_number(value, digits) for value in values)} {self.unit}"
 
-    def warning_of(self, field: str, value: float, unit: str, ratio: float) -> Iterator[str]:
-        """Give the sentence about a quantity in SI units, with the slip that one factor explains."""
-        for sentence in self.warning(field, f"given {amount(value, unit, 5)}", ratio):
+    def warning_of(
+        self, field: str, value: float, unit: str, ratio: float
+    ) -> Iterator[InputWarning]:
+        """Give the warning of a quantity in SI units, with the slip that one factor explains."""
+        for warning in self.warning(field, f"given {amount(value, unit, 5)}", ratio):
             slips = dict(self.slips)
             if unit.endswith("/rad"):
                 slips |= {math.degrees(1.0): "per degree", math.radians(1.0): "per degree"}
@@ -77,7 +81,7 @@ class UsualRange:
                 for factor, slip in slips.items()
                 if self.low <= ratio * factor**self.power <= self.high
             )
-            yield sentence + next(suiting, "")
+            yield warning.with_hint(next(suiting, ""))
 
 
 # Of the shipped engines, rounded outwards to two digits.
@@ -153,7 +157,7 @@ OF_WEB = {"thickness": "web_thickness", "width": "web_width"}
 OF_PIN = {"crank_radius": "crank_radius", "diameter": "pin_diameter", "length": "pin_length"}
 
 
-def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
+def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[InputWarning]:
     """Name the dimensions of throws that are far out of proportion to their journals.
 
     Parameters
@@ -178,7 +182,7 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[str]:
             )
 
 
-def _sharp_corners(section: str, throw: CrankThrow) -> Iterator[str]:
+def _sharp_corners(section: str, throw: CrankThrow) -> Iterator[InputWarning]:
     """Tell of fillets that are left out, and what that does to the axial compliance."""
     fields = throw.model_fields_set
     if "fillet_radius" in fields or fields.issuperset(FILLETS):
@@ -192,10 +196,11 @@ def _sharp_corners(section: str, throw: CrankThrow) -> Iterator[str]:
         much = f"{percent(more, 2)} % above that with {amount(usual, 'm', 3)}, by the law"
     except InputError:
         much = f"{SHARP} above that with their fillets in throws of the shipped engines, by the law"
-    yield (
-        f"{section}.{left_out}: not given, so corners are taken as sharp: e_n is {much}; usual is "
+    yield InputWarning(
+        f"{section}.{left_out}",
+        f"not given, so corners are taken as sharp: e_n is {much}; usual is "
         f"{PLAIN_RANGES['fillet_radius'][0]:g} to {PLAIN_RANGES['fillet_radius'][1]:g} times "
-        "main_journal_diameter; write 0 mm for sharp corners on purpose"
+        "main_journal_diameter; write 0 mm for sharp corners on purpose",
     )
 
 
@@ -212,7 +217,7 @@ def _parts(section: str, throw: CrankThrow) -> list[tuple[str, object, Mapping[s
     ]
 
 
-def _out_of_proportion(section: str, throw: CrankThrow) -> tuple[list[str], bool]:
+def _out_of_proportion(section: str, throw: CrankThrow) -> tuple[list[InputWarning], bool]:
     """Name the sizes far out of proportion, or the main journal's where another one would suit them all.
 
     Also return whether it is the main journal's.
@@ -223,7 +228,7 @@ def _out_of_proportion(section: str, throw: CrankThrow) -> tuple[list[str], bool
         for field, ratio in known.items()
         if (value := getattr(part, field, None))
     ]
-    remarks: list[str] = []
+    remarks: list[InputWarning] = []
     journal, low, high = throw.main_journal_diameter, 0.0, math.inf
     for field, value, ratio in sizes:
         by = DIVISORS.get(ratio, "main_journal_diameter")
@@ -238,19 +243,23 @@ def _out_of_proportion(section: str, throw: CrankThrow) -> tuple[list[str], bool
     if wrong_journal:
         suiting = " to ".join(amount(end, "m", 3) for end in (low, high))
         remarks = [
-            f"{section}.main_journal_diameter: given {amount(journal, 'm')}, with which "
-            f"{len(remarks)} other dimensions of the throw are out of proportion; all of them suit {suiting} "
-            f"({LAW})"
+            InputWarning(
+                f"{section}.main_journal_diameter",
+                f"given {amount(journal, 'm')}, with which {len(remarks)} other dimensions of the throw are "
+                f"out of proportion; all of them suit {suiting} ({LAW})",
+            )
         ]
     return remarks, wrong_journal
 
 
-def size_warnings(file: EngineFile) -> Iterator[str]:
+def size_warnings(file: EngineFile) -> Iterator[InputWarning]:
     """Name the sizes of an engine that are far outside of practice, its throws included."""
     yield from throw_warnings(file.named_throws)
     engine, throw, bore = file.engine, file.crank_throws[0], file.engine.bore
 
-    def warn(field: str, value: float, unit: str, usual: UsualRange, ratio: float) -> Iterator[str]:
+    def warn(
+        field: str, value: float, unit: str, usual: UsualRange, ratio: float
+    ) -> Iterator[InputWarning]:
         return usual.warning_of(field, value, unit, ratio)
 
     journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
@@ -302,7 +311,7 @@ def size_warnings(file: EngineFile) -> Iterator[str]:
         yield from warn("free_end.inertia", inertia, "kg m^2", FREE_END, inertia / disk)
 
 
-def _gas_exchange(file: EngineFile, power: EnginePower) -> Iterator[str]:
+def _gas_exchange(file: EngineFile, power: EnginePower) -> Iterator[InputWarning]:
     """Compare given pressures of intake and exhaust with the mean pressure, and each other.
 
     So much mean pressure needs so much air, and the peak is above the compression by so much; a pressure
@@ -340,8 +349,10 @@ def _gas_exchange(file: EngineFile, power: EnginePower) -> Iterator[str]:
             yield from _absolute(EXHAUST, name, exhaust, exhaust / gas.intake_pressure)
 
 
-def _absolute(usual: UsualRange, field: str, pressure: float, ratio: float) -> Iterator[str]:
-    """Give the sentence about an absolute pressure [Pa] with what it would be if it were above ambient."""
+def _absolute(
+    usual: UsualRange, field: str, pressure: float, ratio: float
+) -> Iterator[InputWarning]:
+    """Give the warning of an absolute pressure [Pa] with what it would be if it were above ambient."""
     absolute = amount(pressure + ATMOSPHERE, "Pa", 3)
-    for sentence in usual.warning(field, f"given {amount(pressure, 'Pa', 5)}", ratio):
-        yield f"{sentence}; perhaps the pressure above ambient, {absolute} absolute"
+    for warning in usual.warning(field, f"given {amount(pressure, 'Pa', 5)}", ratio):
+        yield warning.with_hint(f"; perhaps the pressure above ambient, {absolute} absolute")

@@ -8,6 +8,7 @@ import numpy as np
 from crankbase.array_checks import FloatArray
 from crankbase.sentences import amount, angle
 from crankfem.files.engine.usual_parts import EngineScale, Practice
+from crankfem.files.reading.toml_file import InputWarning
 from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import (
@@ -30,7 +31,7 @@ MEAN_TORQUE = Practice(0.8, 1.3, "is {} the rated torque for each throw")
 CLOSED, DROPOUT = 90.0, 0.15
 
 
-def table_warnings(scale: EngineScale) -> Iterator[str]:
+def table_warnings(scale: EngineScale) -> Iterator[InputWarning]:
     """Name what is unusual of an engine's tables of pressure and torque."""
     file = scale.file
     if file.gas is not None and file.gas.pressure_table is not None and not file.engine.driven_by:
@@ -42,40 +43,40 @@ def table_warnings(scale: EngineScale) -> Iterator[str]:
         field, mean = "torque.table", float(table.torque.mean())
         sense = -1.0 if scale.file.engine.driven_by else 1.0
         usual = sense * scale.torque / len(scale.file.crank_throws)
-        for sentence in MEAN_TORQUE.warning_of(field, mean, "N m", mean / usual):
-            yield sentence + (
-                "; perhaps sign or order of the samples" if mean * usual < 0.0 else ""
-            )
+        hint = "; perhaps sign or order of the samples" if mean * usual < 0.0 else ""
+        for warning in MEAN_TORQUE.warning_of(field, mean, "N m", mean / usual):
+            yield warning.with_hint(hint)
         if pressure and len(layout.cylinders) == len(scale.file.crank_throws):
             torque = cylinder_torque(scale, layout, pressure[0], table.torque.size)
             along, against = (
                 _likeness(torque, samples) for samples in (table.torque, table.torque[::-1])
             )
             if against > along:
-                yield (
-                    f"{field}: in the order given its samples correlate by {along:.2g} with the torque of a "
+                yield InputWarning(
+                    field,
+                    f"in the order given its samples correlate by {along:.2g} with the torque of a "
                     f"throw at rated speed, in the reverse order by {against:.2g}; perhaps the angles "
-                    "are in reverse order"
+                    "are in reverse order",
                 )
 
 
 def pressure_warnings(
     pressure: GasPressure, layout: EngineLayout, compression_ratio: float
-) -> Iterator[str]:
+) -> Iterator[InputWarning]:
     """Compare a measured diagram with the compression, peak and lowest pressure of engines."""
-    field, hint = "gas.pressure_table", "shifted, or gauge for absolute"
+    field = "gas.pressure_table"
     volume = cylinder_volume(
         piston_position(layout, 1), layout.cylinders[0].area, compression_ratio
     )
     exponent = -compression_line(pressure, volume)[0]
     text = f"the pressure, with compression ratio {compression_ratio:g}"
-    for sentence in EXPONENT.warning(field, text, exponent):
-        yield f"{sentence}; perhaps {hint}"
+    for warning in EXPONENT.warning(field, text, exponent):
+        yield warning.with_hint("; perhaps shifted, or gauge for absolute")
     peak = amount(pressure.peak_pressure, "Pa", 3)
     yield from PEAK_ANGLE.warning(field, f"its peak of {peak}", pressure.peak_angle_deg)
     least = f"its lowest pressure of {amount(pressure.lowest, 'Pa', 3)}"
-    for sentence in LOWEST.warning(field, least, pressure.lowest / ATMOSPHERE):
-        yield f"{sentence}; perhaps gauge for absolute, or a dropout"
+    for warning in LOWEST.warning(field, least, pressure.lowest / ATMOSPHERE):
+        yield warning.with_hint("; perhaps gauge for absolute, or a dropout")
     order = np.argsort(pressure.angles_from_top)
     angles, values = pressure.angles_from_top[order], pressure.pressure[order]
     top = int(np.argmax(values))
@@ -85,10 +86,11 @@ def pressure_warnings(
         rising, at = values[near][within], angles[near][within]
         falls = rising / np.maximum.accumulate(rising)
         if falls.size and falls.min() < 1.0 - DROPOUT:
-            yield (
-                f"{field}: the pressure at {angle(at[int(np.argmin(falls))], 4)} is {falls.min():.3g} times "
+            yield InputWarning(
+                field,
+                f"the pressure at {angle(at[int(np.argmin(falls))], 4)} is {falls.min():.3g} times "
                 f"that farther from the peak; usual is at least {1.0 - DROPOUT:g} times ({EXPONENT.basis}); "
-                "perhaps a dropout"
+                "perhaps a dropout",
             )
 
 

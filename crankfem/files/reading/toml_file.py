@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from crankbase.choices import did_you_mean
 from crankbase.errors import MOST_TOLD, InputError, InputErrors, shortened
@@ -23,7 +23,7 @@ from crankbase.input_file import (
 from crankbase.model import InputModel, field_extra, inertia_field, part_kind
 from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
 from crankbase.results import Result
-from crankbase.sentences import END, START, with_sentences
+from crankbase.sentences import END, START, finished, with_sentences
 from crankfem.files.reading.data_files import FILES_READ, InputFiles
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
@@ -293,6 +293,22 @@ def _before(lines: list[str], place: int) -> int | None:
 
 
 Model = TypeVar("Model", bound=InputModel)
+
+
+class InputWarning(NamedTuple):
+    """What looks wrong in an input file: the section or field, and what is said of it."""
+
+    field: str
+    text: str
+
+    @property
+    def sentence(self) -> str:
+        """Both together."""
+        return finished(f"{self.field}: {self.text}")
+
+    def with_hint(self, hint: str) -> "InputWarning":
+        """Return it with what else the value may be."""
+        return InputWarning(self.field, self.text + hint)
 
 
 @with_sentences
