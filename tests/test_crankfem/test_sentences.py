@@ -1,24 +1,25 @@
 """What a person wrote stays as it is, and every value in a sentence of a run can be written otherwise."""
 
 import json
-import re
-from collections.abc import Mapping
 
 import pytest
 
 from crankbase.errors import InputError
-from crankbase.quantity import UNITS
-from crankbase.results import Result, contents
-from crankbase.sentences import END, START, Sentence, kept
+from crankbase.sentences import END, START, Sentence
 from crankbase.table import Table, parse_output_units
+from crankfem.analyses.mechanism.mechanism_results import mechanism_details
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.throw.stress import stress_results
+from crankfem.analyses.throw.throw_record import throw_results
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.analyses.vibration.tables import assessment_parts, vibration_parts
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.report.conclusions import main_findings, verdict_line
 from crankfem.report.summary import worst_tables
 from crankfem.report.text_filters import printed
-from stand_ins import stored_results, typed
+from plain_values import texts_with_plain_values
+from stand_ins import stored_results, stressed, typed
 
 IMPERIAL = parse_output_units("imperial")
 SERIES = "tests of the 500 mm bore series, 12.3456 MPa"
@@ -52,31 +53,6 @@ def test_the_first_screen_neither_shortens_nor_cuts_a_source(source):
     assert any(f"is assumed ({source}): give the maker's." in text for text in stated)
 
 
-UNIT = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
-PLAIN = re.compile(rf"(?<![\w./^-])\d[\d.]*(?:e[+-]?\d+)? (?:{UNIT})(?![\w^/])")
-# What a person wrote, in the file or in a source.
-WRITTEN = ("source", "given", "reason", "name", "engine")
-MARK = re.compile(f"{START}[^{END}]*{END}")
-
-
-def texts_with_plain_values(value, path=""):
-    """Yield texts that hold a number with a unit which cannot be written otherwise."""
-    if isinstance(value, str):
-        assert START not in str(value), f"{path}: {value!r} is not finished"
-        if PLAIN.search(MARK.sub("", kept(value))):
-            yield f"{path}: {value}"
-    elif isinstance(value, Result):
-        for name in contents(type(value)):
-            if name not in WRITTEN:
-                yield from texts_with_plain_values(getattr(value, name), f"{path}.{name}")
-    elif isinstance(value, Mapping):
-        for name, part in value.items():
-            yield from texts_with_plain_values(part, f"{path}.{name}")
-    elif isinstance(value, list | tuple):
-        for part in value:
-            yield from texts_with_plain_values(part, path)
-
-
 def refuse(name):
     def refused(self, *_, **__):
         raise AssertionError(f"{self!r} loses its values by {name}")
@@ -98,6 +74,21 @@ def test_every_value_of_a_run_stays_a_value(engine, monkeypatch):
         if isinstance(part, Table):
             texts = [part.title, part.note, *(cell for row in part.texts(IMPERIAL) for cell in row)]
         assert not any(START in str(text) for text in texts)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["5rt-flex50d", "8chn26-26", "yamz-5340", "7l32-40-set"])
+def test_every_value_of_a_mechanism_stays_a_value(engine):
+    details = mechanism_details(run_mechanism(load_mechanism(engine)))
+    assert [*texts_with_plain_values(details)] == []
+
+
+@pytest.mark.slow
+def test_every_value_of_a_throw_stays_a_value(coarse_throw):
+    engine, analysis = coarse_throw("6chn25-34")
+    stresses = stressed(engine.throw, engine.material, 0.2)
+    for results in (throw_results(analysis, 1e5), stress_results(stresses)):
+        assert [*texts_with_plain_values(results)] == []
 
 
 def test_a_text_with_the_marks_of_values_is_refused(tmp_path):

@@ -19,6 +19,7 @@ from crankfem.analyses.vibration.engine_limits import engine_limits
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.response.series import synthesis
 from dynamics.strength.fatigue import factors_below
+from plain_values import texts_with_plain_values
 
 GIVEN = {
     "tensile_strength": 8e8,
@@ -68,6 +69,12 @@ def usual(judged):
 
 def by_name(found, throw):
     return {one.place: one for one in found.throws[throw - 1].places}
+
+
+@pytest.mark.slow
+def test_every_value_of_the_strength_stays_a_value(usual, judged):
+    for strength in (usual, judged(shrink_fit=FIT), judged(factors="formulas")):
+        assert [*texts_with_plain_values(strength)] == []
 
 
 @pytest.mark.slow
