@@ -45,7 +45,12 @@ QUICK = {
         "new copy.toml --from yamz-5340",
         "new --list",
     ),
-    "fields": ("fields throw", "fields gas", "fields chain"),
+    "throw-options": (
+        "throw 6chn25-34 --pin-force '4, -10, 1 kN' --gamma '90 deg' --full",
+        "lookup law --throw 6chn25-34 web_thickness=58mm --full",
+        "lookup law --throw 6chn25-34 --gamma '120 deg' --pin-force '100 kN' --full",
+    ),
+    "fields": ("fields engine", "fields throw", "fields gas", "fields chain"),
 }
 FURTHER = {
     **of_each(["mechanism {}"], ENGINES),
@@ -59,6 +64,7 @@ FURTHER = {
         "vibration 6chn25-34 --slopes",
         "vibration mwm-six --slopes --full",
     ),
+    "modes-of-a-throw": ("throw 6chn25-34 --modes 3 --full",),
     "export-and-draw": (
         "export 6chn25-34 a.step",
         "export 6chn25-34 m.vtu --size 2",
@@ -74,6 +80,8 @@ FURTHER = {
         "fit runs.sqlite --model model.json --full",
         "lookup model.json --throw study.toml",
         "lookup model.json web_width=300mm --gamma 120 --full",
+        "lookup model.json web_width=345mm pin_length=139mm",
+        "lookup model.json --throw study.toml --gamma -90 --pin-force '0, -100 kN, 0' --full",
         "optimum model.json --minimize web_thickness --limit 'axial_compliance <= 1.2e-9 m/N'",
         "designs study.toml designs",
     ),

@@ -19,7 +19,14 @@ from stand_ins import (
     typed,
 )
 
-REFUSED = ("refused-engines", "refused-chains", "refused-commands", "refused-calls")
+REFUSED = (
+    "refused-engines",
+    "refused-chains",
+    "refused-commands",
+    "refused-calls",
+    "refused-texts",
+    "warned-engines",
+)
 OTHER = {"stored-run", "report", "report-of-all", *REFUSED}
 
 # Of exact power laws the errors would be round-off.

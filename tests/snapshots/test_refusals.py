@@ -1,22 +1,35 @@
 """The sentence with which each door refuses a bad input, as it was last looked at."""
 
-import json
 import shlex
 
+import numpy as np  # noqa: F401
 import pytest
 
 import crankfem as cf
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import pressures_at  # noqa: F401 - of calls
+from crankfem.analyses.engine_mechanism import (
+    load_any,  # noqa: F401
+    pressures_at,  # noqa: F401 - of calls
+)
 from crankfem.analyses.file_check import check_file, refuse_what_cannot_run  # noqa: F401
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism  # noqa: F401
 from crankfem.analyses.vibration.engine_excitation import engine_load  # noqa: F401
 from crankfem.analyses.vibration.run import engine_vibration  # noqa: F401
 from crankfem.files.chain.chain_file import load_chain, write_chain_text  # noqa: F401
 from crankfem.files.engine.engine_file import load_mechanism  # noqa: F401
 from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.toml_file import read_toml
+from crankfem.files.sections.mechanism_sections import Piston  # noqa: F401
+from fem.material import STEEL, Material  # noqa: F401
+from fitted_models import made_model
+from geometry.mesher import mesh_isolated  # noqa: F401
+from geometry.throw import CrankThrow  # noqa: F401
+from geometry.throw_dimensions import Counterweight  # noqa: F401
+from regression.formulas.axial_formulas import axial_formulas  # noqa: F401
+from regression.law.throw_law import torsional_law  # noqa: F401
 from snapshots import refusals
-from snapshots.refusals import CALLS, CHAINS, COMMANDS, ENGINES, FILES
+from snapshots.refusals import CALLS, CHAINS, COMMANDS, ENGINES, FILES, TEXTS, WARNED
 from test_crankfem.conftest import edited
 
 
@@ -36,6 +49,7 @@ def changed(text, changes):
     return text
 
 
+@pytest.mark.slow
 def test_engine_files_are_refused(compare, tmp_path):
     text = ""
     for name, rows in ENGINES.items():
@@ -44,8 +58,34 @@ def test_engine_files_are_refused(compare, tmp_path):
             path = tmp_path / f"{place}.toml"
             path.write_text(changed(shipped, changes), encoding="utf-8")
             said = refused(lambda path=path: check_file(str(path))).replace(path.name, "mine.toml")
-            text += f"{name}: {json.dumps(changes, ensure_ascii=False)}\n{said}"
+            text += f"{name}: {changes}\n{said}"
     compare("refused-engines", text)
+
+
+@pytest.mark.further
+def test_engine_files_are_warned_of(compare, tmp_path):
+    """Warnings and remarks that the shipped file does not have."""
+    text = ""
+    for name, rows in WARNED.items():
+        shipped = input_path(name)
+        usual = check_file(str(shipped))
+        for changes in rows:
+            path = tmp_path / "mine.toml"
+            path.write_text(changed(shipped.read_text(encoding="utf-8"), changes), encoding="utf-8")
+            found = check_file(str(path))
+            said = [f"    Warning: {one}\n" for one in found.warnings if one not in usual.warnings]
+            said += [f"    Note: {one}\n" for one in found.remarks if one not in usual.remarks]
+            assert said, changes
+            text += f"{name}: {changes}\n{''.join(said)}"
+    compare("warned-engines", text)
+
+
+def test_texts_are_refused(compare, tmp_path):
+    text, path = "", tmp_path / "mine.toml"
+    for content in TEXTS:
+        path.write_text(content, encoding="utf-8")
+        text += f"{content!r}\n{refused(lambda: read_toml(path))}"
+    compare("refused-texts", text)
 
 
 def test_chain_files_are_refused(compare, tmp_path):
@@ -54,7 +94,7 @@ def test_chain_files_are_refused(compare, tmp_path):
         path = tmp_path / f"{place}.{'toml' if content.startswith('[') else 'txt'}"
         path.write_text(content, encoding="utf-8")
         said = refused(lambda path=path: load_chain(path)).replace(path.name, f"mine{path.suffix}")
-        text += f"{json.dumps(content)}\n{said}"
+        text += f"{content!r}\n{said}"
     compare("refused-chains", text)
 
 
@@ -63,14 +103,16 @@ def test_command_lines_are_refused(compare, call, tmp_path):
     text = ""
     for name, content in FILES.items():
         (tmp_path / name).write_bytes(content)
+    made_model().save(tmp_path / "model.json")
     for line in COMMANDS:
         answer = call(*shlex.split(line))
-        assert (answer.code, answer.out) == (2, ""), line
-        text += f"$ crankfem {line}\n{answer.err}"
-    assert {path.name for path in tmp_path.iterdir()} == {*FILES}
+        assert answer.code == 2, line
+        text += f"$ crankfem {line}\n{answer.out}{answer.err.lstrip()}"
+    assert {path.name for path in tmp_path.iterdir()} == {*FILES, "model.json"}
     compare("refused-commands", text)
 
 
+@pytest.mark.slow
 def test_calls_are_refused(compare, public):
     names = {name.rpartition(".")[2]: one for name, one in public.items()}
     names |= vars(refusals) | globals() | {"six": cf.load_engine("6chn25-34")}
