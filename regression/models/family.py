@@ -154,8 +154,9 @@ class Family:
 
     def check_fixed(self, query: Mapping[str, Given]) -> None:
         """Refuse a fixed dimension of another value (`InputError`)."""
-        for name in query.keys() & self.fixed.keys():
-            self._check_equal(name, query[name], self.fixed[name], "it is fixed in this model")
+        for name, value in self.fixed.items():
+            if name in query:
+                self._check_equal(name, query[name], value, "it is fixed in this model")
 
     def check_related(self, query: Mapping[str, Given], size: Given = 1.0) -> None:
         """Refuse a dimension that violates its relation, if that can be calculated (`InputError`)."""
