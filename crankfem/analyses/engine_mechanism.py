@@ -17,9 +17,13 @@ from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.full_load import by_gas
 from crankfem.files.engine.mechanism_cylinders import firing_evenness
 from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
-from crankfem.files.engine.usual_parts import EngineScale, material_warnings, part_warnings
+from crankfem.files.engine.usual_parts import (
+    EngineScale,
+    material_warnings,
+    part_warnings,
+    table_warnings,
+)
 from crankfem.files.engine.usual_sizes import size_warnings
-from crankfem.files.engine.usual_tables import table_warnings
 from crankfem.files.reading.toml_file import InputWarning, TomlFile
 from crankfem.files.sections.mechanism_sections import load_points
 from dynamics.engine.forces import full_load_cycles

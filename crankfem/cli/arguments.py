@@ -14,7 +14,6 @@ from crankbase.sentences import amount
 from crankfem.cli import console
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
-from regression.throw_values import field_unit
 
 if TYPE_CHECKING:
     from crankfem.files.reading.toml_file import TomlFile
@@ -220,6 +219,8 @@ def law_throw(
 
 def throw_text(throw: CrankThrow) -> list[str]:
     """Write the dimensions of a throw as NAME = VALUE, those that are there."""
+    from regression.throw_values import field_unit
+
     values = ((name, getattr(throw, name)) for name in type(throw).model_fields)
     return [
         f"{name} = {amount(value, field_unit(name) or '')}"
@@ -229,6 +230,8 @@ def throw_text(throw: CrankThrow) -> list[str]:
 
 
 def _convert(name: str, text: str) -> Any:
+    from regression.throw_values import field_unit
+
     choices = [field for field in CrankThrow.model_fields if field_unit(field) is not None]
     if name == "web_outline":
         return text.strip()

@@ -30,11 +30,11 @@ from crankfem.jobs.exit_codes import (
     TRACEBACK,
     describe_error,
 )
-from regression.records import Outcome
 
 if TYPE_CHECKING:
     from crankbase.array_checks import FloatArray
     from crankbase.results import Result
+    from regression.records import Outcome
 
 Value = TypeVar("Value")
 # Lines of the first screen, and rows that a table on it keeps.
@@ -327,7 +327,7 @@ class RunProgress:
             self._bar.update(self._task, completed=task.total, refresh=True)
         self._task = self._bar.add_task(visible(text), total=1, pace="")
 
-    def design(self, finished: int, total: int, newest: Outcome | None) -> None:
+    def design(self, finished: int, total: int, newest: "Outcome | None") -> None:
         """Advance the bar; report the pace, and a failed design."""
         now = time.monotonic()
         if newest is None:

@@ -3,7 +3,6 @@
 import errno
 
 from crankbase.errors import InputError, MeshError, MissingLibraryError, RenderError, SolveError
-from regression.records import StudyStoppedError
 
 EXIT_INPUT, EXIT_FAILED, EXIT_LIMITS, EXIT_UNDECIDED = range(2, 6)
 EXIT_INTERRUPTED, EXIT_PIPE = 130, 141
@@ -34,6 +33,8 @@ def describe_error(error: Exception) -> tuple[str, int]:
     """Describe an error: return its sentence and its exit code."""
     if isinstance(error, InputError):
         return str(error), EXIT_INPUT
+    from regression.records import StudyStoppedError  # here: most commands know no study
+
     if isinstance(
         error, (MissingLibraryError, RenderError, MeshError, SolveError, StudyStoppedError)
     ):

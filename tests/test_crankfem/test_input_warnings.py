@@ -18,9 +18,8 @@ from crankfem.files.engine.mechanism_cylinders import (
     firing_sentence,
 )
 from crankfem.files.engine.throw_file import ThrowFile
-from crankfem.files.engine.usual_parts import EngineScale
+from crankfem.files.engine.usual_parts import EngineScale, pressure_warnings
 from crankfem.files.engine.usual_sizes import UsualRange, throw_warnings
-from crankfem.files.engine.usual_tables import pressure_warnings
 from crankfem.files.reading.data_files import data_folder, input_path, shipped_names
 from crankfem.files.sections.engine_sections import Engine
 from dynamics.gas.pressure import gas_pressure

@@ -29,10 +29,11 @@ from geometry.boundary_motion import ZERO
 from geometry.mass import Unbalance, unbalance
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow
-from regression.models.lookup import ReactionLookup
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from regression.models.lookup import ReactionLookup
 
 Metre = Annotated[float, Quantity("m")]
 Newton = Annotated[float, Quantity("N")]
@@ -396,7 +397,7 @@ class ReactionResults(Result):
 
 
 def reaction_results(
-    react: Callable[..., ReactionLookup], force: Sequence[float], gamma: float | None
+    react: "Callable[..., ReactionLookup]", force: Sequence[float], gamma: float | None
 ) -> ReactionResults:
     """Look reactions up under each possible support.
 

@@ -43,7 +43,6 @@ from crankfem.analyses.vibration.engine_excitation import (
     refuse_vibration,
 )
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
-from crankfem.analyses.vibration.input_slopes import VibrationSlopes, vibration_slopes
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Kind, Vibration, axial_vibration, torsional_vibration
 from crankfem.analyses.vibration.whole_verdict import (
@@ -65,6 +64,7 @@ from fem.superelement import ShaftCompliances
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from crankfem.analyses.vibration.input_slopes import VibrationSlopes
     from regression.models.compliance_model import ComplianceModel
 
 Shown = Literal["campbell", "modes", "amplitude", "stress", "load", "power", "limits", "shaft"]
@@ -267,11 +267,15 @@ class EngineVibration(Result):
             barred=() if show == "power" else assessment.verdict.ranges_to_bar,
         )
 
-    def slopes(self) -> VibrationSlopes:
+    def slopes(self) -> "VibrationSlopes":
         """How frequencies and the worst limit's use change with the engine's dimensions and elements.
 
         In per cent for one per cent of each. A throw without slopes is named in `left_out`.
         """
+        from crankfem.analyses.vibration.input_slopes import (
+            vibration_slopes,  # here: few ask for them
+        )
+
         return vibration_slopes(
             self.engine_file,
             self.analyses,

@@ -102,7 +102,6 @@ def throw(
     part, material = _select_part(engine, name, pins, out.quiet)
     begin_mesh(part, accuracy)
 
-    from crankfem.analyses.record import with_units
     from crankfem.analyses.throw.law_record import law_results
     from crankfem.analyses.throw.throw_record import (
         PICTURE,
@@ -166,6 +165,8 @@ def throw(
         results = replace(results, free_modes=free, seconds=seconds)
     made = None if folder is None else picture_reactions(results, folder)
     if out.json:
+        from crankfem.analyses.record import with_units
+
         pictures_made = {} if made is None else {"pictures": [str(made)]}
         print_json(with_units(results) | pictures_made)
         return

@@ -87,7 +87,6 @@ def vibration(
     from crankbase.outputs import protect
     from crankbase.results import units as result_units
     from crankfem.analyses.engine_mechanism import engine_inputs, input_warnings
-    from crankfem.analyses.record import with_units
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
@@ -148,6 +147,8 @@ def vibration(
             written.append(drawn / "run_up.svg")
             picture_run_up(written[-1], run, speed_up)
     if out.json:
+        from crankfem.analyses.record import with_units
+
         record = with_units(run) | {"files": [str(path) for path in written]}
         if speed_up is not None:
             record["run_up"] = speed_up.to_record()

@@ -1,18 +1,177 @@
-"""The content of an engine file with the changes that were made in Python."""
+"""Sections of an engine file changed in Python: records of their values, and the file's content then."""
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, get_args
 
 import numpy as np
 
-from crankbase.model import InputModel
-from crankfem.files.reading.section_changes import section_kinds
+from crankbase.choices import allowed_names, is_number
+from crankbase.errors import InputError
+from crankbase.model import InputModel, field_extra
+from crankbase.quantity import format_quantity
+from crankfem.files.reading.toml_file import InputRecord
 from crankfem.files.reading.toml_text import field_value
+from geometry.throw import CrankThrow
+
+SOURCE = "changed in Python"
+
+Provenance = Mapping[str, tuple[str, bool]]
+
+
+@dataclass(frozen=True)
+class Change:
+    """A value that differs from before: its field, such as "throw.web_width", and the new value.
+
+    `record` is None if the value was removed.
+    """
+
+    field: str
+    record: InputRecord | None
+
+
+def section_kinds(owner: type[Any]) -> dict[str, tuple[type[InputModel], bool]]:
+    """Return the sections of a class by name: their type, and whether they may be missing."""
+    kinds = {}
+    for part in fields(owner):
+        for kind in get_args(part.type) if isinstance(part.type, UnionType) else (part.type,):
+            if isinstance(kind, type) and issubclass(kind, InputModel):
+                kinds[part.name] = (kind, NoneType in get_args(part.type))
+    return kinds
+
+
+def changed_section(owner: object, name: str, section_or_values: object) -> InputModel | None:
+    """Return a section of a file with its changes.
+
+    Parameters
+    ----------
+    owner : object
+        The file as read; its annotations define its sections.
+    section_or_values : InputModel, mapping or None
+        The whole section; the fields that change with their values [SI]; or None.
+    """
+    kinds = section_kinds(type(owner))
+    if name not in kinds:
+        raise InputError(f"{name}: unknown section; {allowed_names(name, kinds)}.")
+    kind, optional = kinds[name]
+    if section_or_values is None:
+        if optional:
+            return None
+        raise InputError(
+            f"{name}: given None; allowed are its fields or a whole section, because every engine has it."
+        )
+    if isinstance(section_or_values, Mapping):
+        section = getattr(owner, name)
+        return (
+            kind(**section_or_values) if section is None else section.changed(**section_or_values)
+        )
+    if not isinstance(section_or_values, kind):
+        raise InputError(
+            f"{name}: given {section_or_values!r}; allowed are fields with their values, such as "
+            f"{{{next(iter(kind.model_fields))!r}: ...}}, or a whole section of the type {kind.__name__}."
+        )
+    return section_or_values
+
+
+def changed_throws(throws: Mapping[str, CrankThrow], new: object) -> dict[str, CrankThrow]:
+    """Return named throws with changes to some of them.
+
+    Parameters
+    ----------
+    throws : mapping
+        Empty if the file has one throw without a name.
+    new : mapping
+        Name to a throw, to fields that change [SI] (all fields of a new throw), or to None: removed.
+    """
+    if not isinstance(new, Mapping) or (new and not throws):
+        raise InputError(
+            f"throws: given {new!r}; allowed are names with changes, in an engine with throws by name; the "
+            "one throw of another is changed by throw={...}."
+        )
+    made = dict(throws)
+    for name, change in new.items():
+        if change is None:
+            made.pop(name, None)
+        elif isinstance(change, CrankThrow):
+            made[name] = change
+        elif isinstance(change, Mapping):
+            made[name] = throws[name].changed(**change) if name in throws else CrankThrow(**change)
+        else:
+            raise InputError(
+                f"throws.{name}: given {change!r}; allowed are fields with their new, a whole CrankThrow, "
+                "or None."
+            )
+    return made
+
+
+def changes(
+    before: InputModel | None, after: InputModel | None, section: str | None = None
+) -> tuple[Change, ...]:
+    """Return the differences between two records of one section, which may have a name of its own."""
+    some = after or before
+    return () if some is None else tuple(_changes(section or type(some).section, before, after))
+
+
+def without_changed(
+    records: Sequence[InputRecord], provenance: Provenance, changed: Sequence[Change]
+) -> tuple[tuple[InputRecord, ...], dict[str, tuple[str, bool]]]:
+    """Return records and provenance in which changed values no longer have their former sources."""
+
+    def stale(name: str) -> bool:
+        return any(
+            name == change.field or name.startswith((f"{change.field}.", f"{change.field}["))
+            for change in changed
+        )
+
+    new = {change.field: change.record for change in changed if change.record is not None}
+    kept: list[InputRecord] = []
+    for record in records:
+        if not stale(record.field):
+            kept.append(record)
+        elif record.field in new:
+            kept.append(new.pop(record.field))
+    kept.extend(new.values())
+    remaining = {name: origin for name, origin in provenance.items() if not stale(name)}
+    for change in changed:
+        if change.record is not None:
+            remaining[change.field] = (change.record.source, change.record.assumed)
+    return tuple(kept), remaining
+
+
+def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[Change]:
+    kind = type(after or before)
+    assert issubclass(kind, InputModel)
+    for name, info in kind.model_fields.items():
+        field = f"{prefix}.{name}"
+        old, new = getattr(before, name, None), getattr(after, name, None)
+        if old == new:
+            continue
+        if isinstance(new or old, InputModel):
+            yield from _changes(field, old, new)
+            continue
+        record = None
+        if new is not None:
+            shown = _format_change(new, field_extra(info, "unit"))
+            meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
+            set_now = name in getattr(after, "model_fields_set", ())
+            source = SOURCE if set_now else "default"
+            assumed = not set_now and name not in kind.choices
+            record = InputRecord(field, shown, meaning, symbol, source, assumed)
+        yield Change(field, record)
+
+
+def _format_change(value: object, unit: str | None) -> str:
+    if isinstance(value, tuple):
+        return ", ".join(_format_change(item, unit) for item in value)
+    if unit is not None and is_number(value):
+        return format_quantity(value, unit)
+    return str(value)
+
 
 # Fields that name files in the folder of theirs.
 FILE_FIELDS = re.compile(

@@ -19,9 +19,15 @@ from crankbase.outputs import write_errors, write_text
 from crankbase.summaries import summarized
 from crankfem.files.chain.chain_file import PLANT, plant_chain, read_shaft_lines
 from crankfem.files.engine.changed_content import (
+    Change,
     changed_content,
+    changed_section,
+    changed_throws,
+    changes,
     lost_changes,
+    section_kinds,
     with_files_seen_from,
+    without_changed,
 )
 from crankfem.files.engine.file_kinds import SECTIONS, check_sections, engine_sections, file_kind
 from crankfem.files.engine.full_load import full_load_pressure
@@ -46,14 +52,6 @@ from crankfem.files.engine.section_checks import (
     check_thrust_bearing,
 )
 from crankfem.files.reading.data_files import InputFiles
-from crankfem.files.reading.section_changes import (
-    Change,
-    changed_section,
-    changed_throws,
-    changes,
-    section_kinds,
-    without_changed,
-)
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, sections_of
 from crankfem.files.reading.toml_text import toml_text
 from crankfem.files.sections.crank_throws import (
