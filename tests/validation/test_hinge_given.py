@@ -19,7 +19,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.files.reading.data_files import input_path
 from crankfem.satellites.hinge.file import load_hinge
-from crankfem.satellites.hinge.profile import hinge_moment
+from crankfem.satellites.hinge.moment import hinge_moment
 from crankfem.satellites.hinge.run import hinge_columns, run_hinge
 
 pytestmark = pytest.mark.slow

@@ -21,10 +21,10 @@ import pytest
 
 from comparing import close
 from crankfem.satellites.hinge.file import load_hinge
-from crankfem.satellites.hinge.profile import (
+from crankfem.satellites.hinge.moment import hinge_moment
+from crankfem.satellites.hinge.turning import (
     best_pressure,
     flywheel_for,
-    hinge_moment,
     simulate_hinge,
     steady_hinge_turn,
 )

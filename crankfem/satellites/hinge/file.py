@@ -23,14 +23,9 @@ from crankfem.satellites.hinge.crosshead import (
     read_gas_force,
     two_stroke_cycle,
 )
-from crankfem.satellites.hinge.profile import (
-    ComparedGuides,
-    GasSpring,
-    HingeMoment,
-    HingeProfile,
-    hinge_moment,
-    hinge_profile,
-)
+from crankfem.satellites.hinge.moment import HingeMoment, hinge_moment
+from crankfem.satellites.hinge.profile import ComparedGuides, HingeProfile, hinge_profile
+from crankfem.satellites.hinge.spring import GasSpring
 from dynamics.engine.rods import ConnectingRod
 from dynamics.gas.gas_cycle import name_fields
 from dynamics.sample_tables import TableReading

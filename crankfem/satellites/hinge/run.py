@@ -31,14 +31,11 @@ from crankbase.table import SI, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import AssumedInput, assumed_values
 from crankfem.satellites.hinge.crosshead import KINEMATICS, Kinematics
 from crankfem.satellites.hinge.file import HingeFile
-from crankfem.satellites.hinge.profile import (
+from crankfem.satellites.hinge.moment import HingeMoment
+from crankfem.satellites.hinge.profile import ComparedGuides, HingeProfile, ProfileCheck
+from crankfem.satellites.hinge.spring import GasSpring, Length
+from crankfem.satellites.hinge.turning import (
     BestPressure,
-    ComparedGuides,
-    GasSpring,
-    HingeMoment,
-    HingeProfile,
-    Length,
-    ProfileCheck,
     SteadyHingeTurn,
     best_pressure,
     flywheel_for,

@@ -8,13 +8,11 @@ import numpy as np
 from crankfem.files.reading.data_files import input_path
 from crankfem.satellites.hinge.crosshead import CrossheadEngine
 from crankfem.satellites.hinge.file import load_hinge
-from crankfem.satellites.hinge.profile import (
-    GasSpring,
-    SteadyHingeTurn,
-    hinge_moment,
-    hinge_profile,
-)
+from crankfem.satellites.hinge.moment import hinge_moment
+from crankfem.satellites.hinge.profile import hinge_profile
 from crankfem.satellites.hinge.run import run_hinge
+from crankfem.satellites.hinge.spring import GasSpring
+from crankfem.satellites.hinge.turning import SteadyHingeTurn
 from dynamics.engine.rods import ConnectingRod
 
 SHIPPED = "crosshead-30-100"

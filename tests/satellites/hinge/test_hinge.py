@@ -12,17 +12,19 @@ from comparing import close
 from crankbase.errors import InputError
 from crankbase.frames import table_of
 from crankfem.satellites.hinge.crosshead import KINEMATICS, CrossheadEngine, reduced_crank
+from crankfem.satellites.hinge.moment import hinge_moment
 from crankfem.satellites.hinge.profile import (
-    GasSpring,
-    best_pressure,
     check_roller,
-    flywheel_for,
-    hinge_moment,
     hinge_profile,
     outer_parallel,
     polar_curvature,
-    simulate_hinge,
     smallest_hollow,
+)
+from crankfem.satellites.hinge.spring import GasSpring
+from crankfem.satellites.hinge.turning import (
+    best_pressure,
+    flywheel_for,
+    simulate_hinge,
     steady_hinge_turn,
 )
 from dynamics.cycle import even_angles
