@@ -21,13 +21,14 @@ from fem.analysis import (
     solve_to_accuracy,
 )
 from fem.angle_law import AngleLaw, angle_law, is_symmetric
-from fem.material import STEEL, Material
+from fem.material import STEEL
 from fem.solver import Stopwatch
 from fem.supports import Neighbors, class_axial_compliances
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Web
 from parts_in_a_line import crank_throw
+from refusals import refused
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +69,7 @@ def test_masses_of_an_analysis(analysis, throw):
 
 @pytest.mark.parametrize("accuracy", [0.0, -0.01, 0.0009, 0.11, 1.0, math.nan, math.inf, "1 %"])
 def test_accuracy_out_of_range(throw, accuracy):
-    with pytest.raises(InputError, match=r"^accuracy: given .*; allowed is a number from 0.001"):
+    with refused("accuracy"):
         analyze_throw(throw, accuracy=accuracy)
 
 
@@ -80,7 +81,7 @@ def test_unknown_supports_are_refused_everywhere(analysis):
         analysis.supported,
         lambda support: analysis.reactions((0.0, -1.0, 0.0), support),
     ):
-        with pytest.raises(InputError, match=r"^support: given 'fixed'; allowed are "):
+        with refused("support"):
             call("fixed")
 
 
@@ -98,37 +99,8 @@ def test_pin_that_the_throw_has_not(analysis, pin):
         lambda: analysis.reactions((0.0, -1.0, 0.0), pin=pin),
         lambda: analysis.influence_coefficient(pin=pin),
     ):
-        with pytest.raises(InputError, match=r"^pin: given .*; allowed is 0, because the throw"):
+        with refused("pin"):
             call()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "growth", "softer"),
-    [
-        ("fillet_radius", 1.25, False),
-        ("web_width", 1.08, False),
-        ("web_thickness", 1.08, False),
-        ("main_journal_diameter", 1.08, False),
-        ("pin_diameter", 1.08, False),
-        ("crank_radius", 1.08, True),
-        ("pin_length", 1.08, True),
-    ],
-)
-def test_what_makes_a_throw_stiffer_and_what_softer(
-    dimensions, axial_compliance, name, growth, softer
-):
-    before = axial_compliance(CrankThrow(**dimensions))
-    after = axial_compliance(CrankThrow(**{**dimensions, name: growth * dimensions[name]}))
-    assert (after > before) == softer
-    assert abs(after / before - 1.0) > 0.005
-
-
-@pytest.mark.slow
-def test_compliance_falls_as_the_modulus_grows(throw, axial_compliance):
-    stiff = Material(youngs_modulus=3.0 * 2.1e11, poisson_ratio=0.3, density=7850.0)
-    found = axial_compliance(throw, 2.0, stiff)
-    assert found == close(axial_compliance(throw, 2.0) / 3.0, rel=1e-10)
 
 
 @pytest.mark.slow
@@ -143,12 +115,12 @@ def test_the_axial_analysis_alone_gives_the_same(throw, end_sections):
         assert alone.influence_coefficient(support) == close(
             whole.influence_coefficient(support), rel=1e-9
         )
-    with pytest.raises(InputError, match=r"^support: given Neighbors.*analyze_throw"):
+    with refused("support"):
         alone.axial_compliance(Neighbors(120, 120))
 
 
 def test_unknown_end_sections(throw):
-    with pytest.raises(InputError, match=r"^end_sections: given 'soft'; allowed are"):
+    with refused("end_sections"):
         analyze_throw(throw, accuracy=0.1, end_sections="soft")
 
 
@@ -242,7 +214,7 @@ def test_throws_without_symmetry_are_refused():
     assert not is_symmetric(found.superelement)
     twice = np.repeat(found.superelement.pin_loads, 2, axis=0)
     assert not is_symmetric(replace(found.superelement, pin_loads=twice))
-    with pytest.raises(InputError, match="equal webs only"):
+    with pytest.raises(InputError, match="equal webs"):
         angle_law(found.superelement)
 
 
@@ -250,7 +222,7 @@ def test_throws_without_symmetry_are_refused():
     "gamma", [float("nan"), float("inf"), "x", "120", True, None, ["x"], [[1.0], [1.0, 2.0]]]
 )
 def test_angles_must_be_numbers(angle_analysis, gamma):
-    with pytest.raises(InputError, match=r"^gamma_deg: given"):
+    with refused("gamma_deg"):
         angle_analysis.angle_law.axial(gamma)
 
 
@@ -266,5 +238,5 @@ def test_angles_must_be_numbers(angle_analysis, gamma):
 )
 def test_numbers_of_no_throw_are_refused(name, value):
     law = AngleLaw(1e-9, 2e-9, 1.5, -1e-10, 0.0)  # the influence has a sign
-    with pytest.raises(InputError, match=f"^{name}: given .*; allowed is a finite number"):
+    with refused(name):
         replace(law, **{name: value})

@@ -21,6 +21,7 @@ from fem.calculix import (
 from fem.material import STEEL
 from fem.superelement import nodes_on
 from geometry.solid import LEFT_END, RIGHT_END
+from refusals import refusals, refused
 
 RADIAL = [[0.0, -1.0, 0.0]]
 CASES = (
@@ -214,48 +215,30 @@ def test_missing_results(tmp_path):
 
 def test_only_a_whole_throw(mesh, half_mesh, tmp_path):
     for part in (mesh, half_mesh):
-        with pytest.raises(InputError, match=r"mesh\.part: given .* allowed is 'full', because"):
+        with refused("mesh.part"):
             write_calculix(part, STEEL, tmp_path / "throw.inp")
     assert not list(tmp_path.iterdir())
 
 
 def test_bad_input(full_mesh, tmp_path):
-    with pytest.raises(InputError, match=r"allowed is '\.inp'"):
+    with refused("throw.txt"):
         write_calculix(full_mesh, STEEL, tmp_path / "throw.txt")
     with pytest.raises(InputError, match="cannot be written"):
         write_calculix(full_mesh, STEEL, tmp_path / "none" / "throw.inp", CASES)
-    with pytest.raises(InputError, match="allowed is a Material"):
+    with refused("material"):
         calculix_deck(full_mesh, None, CASES)
-    with pytest.raises(InputError, match="cases: given none"):
+    with refused("cases"):
         calculix_deck(full_mesh, STEEL, [])
     for field, given in (
         ("mesh", ("throw", STEEL, "a.inp")),
         ("path", (full_mesh, STEEL, 3)),
         ("cases", (full_mesh, STEEL, "a.inp", "axial")),
-        (r"cases\[1\]", (full_mesh, STEEL, "a.inp", [axial_case(), "axial"])),
+        ("cases[1]", (full_mesh, STEEL, "a.inp", [axial_case(), "axial"])),
     ):
-        with pytest.raises(InputError, match=rf"^{field}: given .*; allowed is"):
+        with refused(field):
             write_calculix(*given)
-    with pytest.raises(InputError, match="forces on 2 pins; allowed is 1"):
+    with pytest.raises(InputError, match="2 pins"):
         calculix_deck(full_mesh, STEEL, [pin_case(2 * RADIAL, blocked=True)])
-
-
-@pytest.mark.parametrize(
-    ("make", "reason"),
-    [
-        (lambda: axial_case("clamped"), "support: given 'clamped'"),
-        (lambda: bending_case("z"), "axis: given 'z'"),
-        (lambda: LoadCase("short", end_loads=(1.0,)), "12 end loads"),
-        (lambda: LoadCase("flat", pin_forces=((1.0, 2.0),)), "3 numbers"),
-        (lambda: pin_case([[0.0, np.nan, 0.0]], blocked=True), "finite"),
-        (lambda: LoadCase("held", end_loads=(0.0,) * 6 + (1.0,) + (0.0,) * 5), "ux of the right"),
-        (lambda: replace(axial_case(), blocked=True), "uz of the right end"),
-        (lambda: replace(bending_case("x"), support="guided"), "rx of the left end"),
-    ],
-)
-def test_bad_load_cases(make, reason):
-    with pytest.raises(InputError, match=reason):
-        make()
 
 
 @pytest.fixture
@@ -303,5 +286,23 @@ def test_missing_program_and_deck(program, tmp_path):
     deck, _ = program("")
     with pytest.raises(MissingLibraryError, match="apt-get install calculix-ccx"):
         run_calculix(deck, program="no-such-ccx")
-    with pytest.raises(InputError, match="deck: given"):
+    with refused("deck"):
         run_calculix(tmp_path / "none.inp")
+
+
+test_refused = refusals(
+    ("support", lambda: axial_case("clamped")),
+    ("axis", lambda: bending_case("z")),
+    ("load case 'short'", lambda: LoadCase("short", end_loads=(1.0,))),
+    ("load case 'flat'", lambda: LoadCase("flat", pin_forces=((1.0, 2.0),))),
+    (
+        "load case 'pin forces (0.0, nan, 0.0) N, pinned, length blocked'",
+        lambda: pin_case([[0.0, np.nan, 0.0]], blocked=True),
+    ),
+    ("load case 'held'", lambda: LoadCase("held", end_loads=(0.0,) * 6 + (1.0,) + (0.0,) * 5)),
+    ("load case 'axial force of 1 N, pinned'", lambda: replace(axial_case(), blocked=True)),
+    (
+        "load case 'opposite end moments of 1 N m about x, pinned'",
+        lambda: replace(bending_case("x"), support="guided"),
+    ),
+)

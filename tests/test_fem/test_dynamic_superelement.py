@@ -9,7 +9,6 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from comparing import close
-from crankbase.errors import InputError
 from dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.analysis import analyze_throw
 from fem.material import STEEL
@@ -37,6 +36,7 @@ from fem.symmetry import (
 )
 from geometry.mesh import mesh_throw
 from geometry.solid import LEFT_END, RIGHT_END
+from refusals import refused
 
 HIGHEST = 2500.0
 
@@ -243,18 +243,18 @@ def test_another_solver_gives_the_same(coarse, coarse_classes, dynamic):
 
 def test_what_cannot_be_built_is_refused(coarse, coarse_classes, dynamic, mesh, stiffness):
     for value in (-1.0, np.inf, np.nan):
-        with pytest.raises(InputError, match=f"^highest_frequency: given {value}; allowed is a"):
+        with refused("highest_frequency"):
             dynamic_superelement(coarse, STEEL, coarse_classes, value)
-    with pytest.raises(InputError, match=r"^cutoff_factor: given 0.9; allowed is .* from 1, "):
+    with refused("cutoff_factor"):
         dynamic_superelement(coarse, STEEL, coarse_classes, 100.0, cutoff_factor=0.9)
-    with pytest.raises(InputError, match=r"^classes: given 3; allowed are the 4 of a quarter"):
+    with refused("classes"):
         dynamic_superelement(coarse, STEEL, coarse_classes[:3], 100.0)
-    with pytest.raises(InputError, match=r"^classes: given 5; allowed are the 4 of a quarter"):
+    with refused("classes"):
         dynamic_superelement(coarse, STEEL, [*coarse_classes, coarse_classes[0]], 100.0)
-    with pytest.raises(InputError, match=r"^classes: given fields at \d+ nodes; allowed are the"):
+    with refused("classes"):
         dynamic_superelement(mesh, STEEL, coarse_classes, 100.0)
     for count in (-1, dynamic.natural + 1, True, 1.0):
-        with pytest.raises(InputError, match=f"^count: given {count}; allowed are the whole"):
+        with refused("count"):
             dynamic.with_modes(count)
 
 
@@ -265,16 +265,16 @@ def test_averaged_end_sections_are_refused(coarse, coarse_classes):
         condense(coarse, matrix, pins, each, end_sections="averaged")
         for each in symmetry_classes(coarse.part)
     ]
-    with pytest.raises(InputError, match=r"^classes: given 'averaged' end sections; allowed are"):
+    with refused("classes"):
         dynamic_superelement(coarse, STEEL, averaged, 100.0)
     mixed = [*coarse_classes[:3], replace(coarse_classes[3], end_sections="averaged")]
-    with pytest.raises(InputError, match="averaged"):
+    with refused("classes"):
         dynamic_superelement(coarse, STEEL, mixed, 100.0)
 
 
 @pytest.mark.parametrize("frequency", [None, "x", [1.0], 1j, True, -1.0, np.nan, 1e9])
 def test_frequencies_that_are_none_are_refused(mesh, classes, frequency):
-    with pytest.raises(InputError, match=r"^highest_frequency: given "):
+    with refused("highest_frequency"):
         dynamic_superelement(mesh, STEEL, classes, frequency)
 
 
@@ -312,7 +312,7 @@ def test_another_ring_is_an_exact_change_of_motions(motions):
 
 @pytest.mark.parametrize("given", ["bending", 3, 0, True, 2.5, None])
 def test_other_choices_are_refused(given):
-    with pytest.raises(InputError, match=r'^sections: given .*; allowed are "rigid", 1, 2 and 4'):
+    with refused("sections"):
         degree_of(given)
 
 
@@ -391,5 +391,5 @@ def test_rigid_sections_are_part_of_those_that_bend(solved, superelement):
         lower = solved["quarter", 4][1].with_sections(degree).joined
         assert np.abs(lower.stiffness - found.joined.stiffness).max() <= 1e-7 * size
     assert solved["quarter", 4][1].with_sections("rigid").joined.stiffness.shape == (12, 12)
-    with pytest.raises(InputError, match=r"^sections: given 4; allowed is up to 2 \(rigid, 1, 2\)"):
+    with refused("sections"):
         solved["quarter", 2][1].with_sections(4)

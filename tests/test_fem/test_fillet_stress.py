@@ -36,6 +36,7 @@ from geometry.sizes import SizeMap
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.solid_files import write_step
 from geometry.throw import CrankThrow
+from refusals import refusals, refused
 from stand_ins import COARSE_STRESSES
 
 pytestmark = pytest.mark.slow
@@ -324,38 +325,33 @@ def test_stress_depends_on_poissons_ratio_alone(mesh, loads, loaded):
 
 
 @pytest.mark.parametrize(
-    ("changes", "arguments", "sentence"),
+    ("changes", "arguments", "field"),
     [
-        ({"fillet_radius": 0.0}, {}, "fillet_radius: given 0 at all .*; allowed is .* no bound"),
-        ({}, {"accuracy": 0.001}, "accuracy: given 0.001; allowed is a number from 0.02 to 0.2"),
-        ({}, {"material": "steel"}, "material: given 'steel'; allowed is a Material"),
-        ({}, {"mesh": "fine"}, "mesh: given 'fine'; allowed are adaptive, m53, because"),
-        ({}, {"end_sections": "soft"}, "end_sections: given 'soft'; allowed are"),
+        ({"fillet_radius": 0.0}, {}, "fillet_radius"),
+        ({}, {"accuracy": 0.001}, "accuracy"),
+        ({}, {"material": "steel"}, "material"),
+        ({}, {"mesh": "fine"}, "mesh"),
+        ({}, {"end_sections": "soft"}, "end_sections"),
     ],
 )
-def test_refusals(dimensions, changes, arguments, sentence):
-    with pytest.raises(InputError, match=sentence):
+def test_refusals(dimensions, changes, arguments, field):
+    with refused(field):
         fillet_stresses(CrankThrow(**dimensions | changes), mesher=mesh_throw, **arguments)
 
 
-def test_refuses_what_is_no_throw_of_dimensions():
-    with pytest.raises(InputError, match="throw: given a str; allowed is a CrankThrow, or an"):
-        fillet_stresses("throw")
-
-
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("changes", "field"),
     [
-        ({"fillet_radius": 0.003}, r"fillet_radius: given 3 mm; allowed are larger .*"),
+        ({"fillet_radius": 0.003}, "fillet_radius"),
         (
             {"oil_holes": [{"part": "pin", "diameter": 0.012, "exit_radius": 0.002}]},
-            r"oil_holes\[0\]\.exit_radius: given 2 mm; allowed are larger .*",
+            "oil_holes[0].exit_radius",
         ),
     ],
 )
-def test_refuses_fillets_too_small_for_the_budget(monkeypatch, dimensions, changes, message):
+def test_refuses_fillets_too_small_for_the_budget(monkeypatch, dimensions, changes, field):
     monkeypatch.setattr(fillet_stress, "MOST_UNKNOWNS", 15_000)
-    with pytest.raises(InputError, match=message):
+    with refused(field):
         fillet_stresses(CrankThrow(**dimensions | changes), mesher=mesh_throw)
 
 
@@ -424,7 +420,7 @@ def test_criteria_of_the_rule_by_hand(full_mesh, loads):
 
 def test_a_rule_mesh_beyond_the_budget_is_refused(monkeypatch, dimensions):
     monkeypatch.setattr(fillet_stress, "MOST_RULE_UNKNOWNS", 30_000)
-    with pytest.raises(InputError, match='mesh: given "m53", whose elements would make about'):
+    with refused("mesh"):
         fillet_stresses(CrankThrow(**dimensions), mesh="m53", mesher=mesh_throw)
 
 
@@ -445,7 +441,7 @@ def test_exits_of_oil_holes_are_places_of_stress(throw):
 def test_loads_out_of_balance_are_refused(fields):
     ends = np.zeros(12)
     ends[1] = 1.0
-    with pytest.raises(InputError, match="loads: given ones out of balance"):
+    with refused("loads"):
         fields.amplitudes(ends, np.zeros(6))
 
 
@@ -459,7 +455,7 @@ def test_strain_energy_is_that_of_the_amplitudes(fields):
 
 def test_throws_of_several_pins_are_refused(mesh, throw):
     several = throw.changed(further_pins=({"angle": 1.0, "web_thickness": 0.06},))
-    with pytest.raises(InputError, match="throw: given one with 2 pins"):
+    with refused("throw"):
         stress_fields(mesh, several, STEEL)
 
 
@@ -584,3 +580,8 @@ def test_corners_of_a_part_without_a_fillet_are_named(dimensions, tmp_path, monk
     assert found.sharp_corners == ("pin, left web", "pin, right web")
     assert {peak.name for peak in found.peaks} == {"left main journal", "right main journal"}
     assert math.isfinite(found.error_estimate)
+
+
+test_refused = refusals(
+    ("throw", lambda: fillet_stresses("throw")),
+)

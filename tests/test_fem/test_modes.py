@@ -8,7 +8,7 @@ from scipy import sparse
 from scipy.linalg import eigh
 
 from comparing import close
-from crankbase.errors import InputError, SolveError
+from crankbase.errors import SolveError
 from fem.material import STEEL
 from fem.modes import (
     ClassModes,
@@ -24,6 +24,7 @@ from fem.solver import symmetric_product
 from fem.superelement import blocked_unknowns
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import mesh_throw
+from refusals import refused
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow
@@ -156,21 +157,21 @@ def test_a_mode_that_misses_its_equation_is_refused(coarse, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("wish", "message"),
+    ("wish", "field"),
     [
-        ({}, r"^count, highest_frequency: given None and None; allowed is one of them"),
-        ({"count": 3, "highest_frequency": 1e3}, r"^count, highest_frequency: given 3 and 1000.0"),
-        ({"count": 0}, r"^count: given 0; allowed are the whole numbers 1 to 500"),
-        ({"count": 501}, r"^count: given 501; allowed"),
-        ({"count": 2.5}, r"^count: given 2.5; allowed"),
-        ({"count": True}, r"^count: given True; allowed"),
-        ({"highest_frequency": 0.0}, r"^highest_frequency: given 0.0; allowed is a finite"),
-        ({"highest_frequency": np.inf}, r"^highest_frequency: given inf; allowed"),
-        ({"highest_frequency": np.nan}, r"^highest_frequency: given nan; allowed"),
+        ({}, "count, highest_frequency"),
+        ({"count": 3, "highest_frequency": 1e3}, "count, highest_frequency"),
+        ({"count": 0}, "count"),
+        ({"count": 501}, "count"),
+        ({"count": 2.5}, "count"),
+        ({"count": True}, "count"),
+        ({"highest_frequency": 0.0}, "highest_frequency"),
+        ({"highest_frequency": np.inf}, "highest_frequency"),
+        ({"highest_frequency": np.nan}, "highest_frequency"),
     ],
 )
-def test_wishes_that_make_no_sense(coarse, wish, message):
-    with pytest.raises(InputError, match=message):
+def test_wishes_that_make_no_sense(coarse, wish, field):
+    with refused(field):
         free_modes(coarse, STEEL, **wish)
 
 
@@ -179,9 +180,9 @@ def test_more_modes_than_the_mesh_can_show(coarse, monkeypatch):
     matrices = PartMatrices.of_mesh(coarse, STEEL)
     with class_problem(coarse, matrices, SymmetryClass(1, 1), shift=1e7) as problem:
         assert problem.most_modes == 10
-        with pytest.raises(InputError, match=r"^count: given so that 11 modes .* allowed are 10,"):
+        with refused("count"):
             problem.lowest(11)
-        with pytest.raises(InputError, match=r"^highest_frequency: given so .* up to 1e\+06 Hz"):
+        with refused("highest_frequency"):
             problem.up_to(1e6)
 
 

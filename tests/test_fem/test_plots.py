@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankbase.errors import InputError
 from fem.analysis import AxialAnalysis, ThrowAnalysis
 from fem.end_reactions import EndReaction, Reactions
 from fem.fillet_peaks import FilletPeak, FilletStresses, ReadingQuality, throw_fillets, unit_loads
@@ -20,6 +19,7 @@ from fem.superelement import shaft_compliances
 from fem.supports import Neighbors
 from fem.symmetry import RADIAL, SymmetryClass, axial_class
 from geometry.mass import mass_properties
+from refusals import refused
 
 
 @pytest.fixture(scope="module")
@@ -96,9 +96,9 @@ def test_an_analysis_draws_its_throw(analysis):
 
 def test_only_known_quantities(analysis, shaft):
     for plot in (analysis.plot_over_angle, analysis.angle_law.plot, shaft.plot):
-        with pytest.raises(InputError, match=r"quantity: given 'mass'; allowed are .*, because"):
+        with refused("quantity"):
             plot(quantity="mass")
-    with pytest.raises(InputError, match="content: given 'mass'; allowed are compliances"):
+    with refused("content"):
         analysis.to_pandas("mass")
 
 
@@ -145,9 +145,7 @@ def test_the_axial_answers_alone(analysis, mesh, classes):
     plain = alone.discrete
     assert plain.axial_compliance() == close(analysis.discrete.axial_compliance(), rel=1e-10)
     assert plain.error_estimate == 1.0 - plain.axial_compliance() / alone.axial_compliance()
-    with pytest.raises(
-        InputError, match="plot: given the analysis of a CAD part; allowed is that of"
-    ):
+    with refused("plot"):
         replace(analysis, throw=None).plot()
 
 
@@ -160,9 +158,9 @@ def test_the_angle_law(analysis):
     assert law.to_xarray([90.0]).axial_compliance.item() == law.axial(90.0)
     for wrong in ([[0.0, 1.0]], [], [[0.0], [1.0, 2.0]]):
         for to in (law.to_pandas, law.to_xarray):
-            with pytest.raises(InputError, match=r"gamma_deg: given .*; allowed are one or more"):
+            with refused("gamma_deg"):
                 to(wrong)
-    with pytest.raises(InputError, match=r"quantity: given .*; allowed are axial_compliance"):
+    with refused("quantity"):
         law.plot(quantity=["axial_compliance"])
 
 
@@ -171,7 +169,7 @@ def test_loads_and_motions_as_tables(analysis):
     frame = reactions.to_pandas()
     assert frame.loc["left", "Fy"] == reactions.left.force[1]
     two = EndReaction(np.zeros((2, 3)), np.zeros((2, 3)))
-    with pytest.raises(InputError, match="plot: given reactions of 2 throws; allowed are those of"):
+    with refused("plot"):
         Reactions(two, two).plot()
     assert frame.loc["right", "Mx"] == reactions.right.moment[0]
     assert frame.attrs["units"] == {"place": ""} | dict.fromkeys(("Fx", "Fy", "Fz"), "N") | (
@@ -211,7 +209,7 @@ def test_fillet_factors(stresses):
     found = stresses.to_xarray()
     assert found.factor.sel(load="torque", fillet="pin, left web") == 0.5 * (2.0 + 1.0 + 1.0)
     assert found.von_mises_factor.values == close(1.5)
-    with pytest.raises(InputError, match="criterion: given 'Tresca'; allowed are principal, von"):
+    with refused("criterion"):
         stresses.plot(criterion="Tresca")
 
 

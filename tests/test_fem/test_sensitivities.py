@@ -7,7 +7,6 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.correction import StressRecovery, class_energies
 from fem.end_reactions import END_LOADS
@@ -21,6 +20,7 @@ from geometry.boundary_motion import boundary_motion, bounding_surfaces, lengths
 from geometry.mass import mass_properties
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
+from refusals import refused
 
 # Every surface that a quarter can have but oil holes: bores off their axes, fillets of two radii, webs
 # narrowed at one end and thinned at both, a counterweight with an inner radius.
@@ -232,7 +232,7 @@ def test_reactions_scale_with_the_size_of_the_throw(featured_analysis, sharp):
     for support in ("pinned", "guided", cf.Neighbors(120.0, 120.0)):
         for quantity in ("left Fx", "left Fy", "right Fz", "left Mx", "left Mz", "pin_compliance"):
             if (quantity, support) == ("left Mx", "pinned"):
-                with pytest.raises(InputError, match="zero"):
+                with refused("quantity"):
                     analysis.sensitivities(quantity, support, pin_force=force)
                 continue
             power = POWERS[quantity.split()[-1][0]]
@@ -295,21 +295,19 @@ def test_slopes_are_those_between_other_meshes(featured):
 @pytest.mark.slow
 def test_what_has_no_slope_says_why(throw):
     analysis = analyze_throw(throw, accuracy=0.1)
-    with pytest.raises(InputError, match="pin_force"):
+    with refused("pin_force"):
         analysis.sensitivities("pin_compliance", pin_force=(0.0, 0.0, 0.0))
-    with pytest.raises(
-        InputError, match="which is zero under this force; allowed are reactions that"
-    ):
+    with refused("quantity"):
         analysis.sensitivities(END_LOADS[0])
     slopes = analysis.sensitivities("torsional_compliance", "guided")
     assert "zero" in slopes.left_out["pin_bore"]
     for path in ("pin_bore", "wheel_radius"):
-        with pytest.raises(InputError, match="web_width"):
+        with refused("dimension"):
             slopes[path]
-    with pytest.raises(InputError, match="quantity"):
+    with refused("quantity"):
         analysis.sensitivities("stiffness")
     averaged = analyze_throw(throw, accuracy=0.1, end_sections="averaged", sections="rigid")
-    with pytest.raises(InputError, match="end_sections"):
+    with refused("end_sections"):
         averaged.sensitivities()
 
 

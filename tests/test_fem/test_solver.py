@@ -9,7 +9,7 @@ from scipy import sparse
 import fem.solver
 from comparing import close
 from crankbase import memory
-from crankbase.errors import InputError, NotEnoughMemoryError, SolveError
+from crankbase.errors import NotEnoughMemoryError, SolveError
 from fem import analysis
 from fem.analysis import Problem, analyze_throw, solve_level
 from fem.fillet_stress import fillet_stresses
@@ -25,6 +25,7 @@ from fem.solver import (
 from fem.superelement import checked_superelement, condense
 from fem.symmetry import RADIAL, axial_class, symmetry_classes, unit_pin_loads
 from geometry.throw import CrankThrow
+from refusals import refusals
 from solving import solve_symmetric
 
 SOLVERS = ["superlu"] if fem.solver._pardiso() is None else ["pardiso", "superlu"]
@@ -82,11 +83,6 @@ def test_without_pardiso(monkeypatch):
     assert solve_symmetric(supported(), np.ones((50, 1)))[1] == "superlu"
     with pytest.raises(SolveError, match="pip install pypardiso"):
         solve_symmetric(supported(), np.ones((50, 1)), "pardiso")
-
-
-def test_unknown_solver():
-    with pytest.raises(InputError, match="allowed are auto, pardiso, superlu"):
-        solve_symmetric(supported(), np.ones((50, 1)), "cholesky")
 
 
 def test_no_load_no_motion():
@@ -265,3 +261,8 @@ def test_stresses_that_do_not_fit_are_refused(throw, mesh, little_memory):
     filleted = CrankThrow(**throw.model_dump() | {"fillet_radius": 0.012})
     with pytest.raises(NotEnoughMemoryError, match=r"^accuracy: given 0.05, whose .* GB that are"):
         fillet_stresses(filleted, accuracy=0.05, mesher=once)
+
+
+test_refused = refusals(
+    ("solver", lambda: solve_symmetric(supported(), np.ones((50, 1)), "cholesky")),
+)

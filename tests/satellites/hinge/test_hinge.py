@@ -30,6 +30,7 @@ from crankfem.satellites.hinge.turning import (
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.rods import ConnectingRod
+from refusals import refusals_of, refused
 
 ROD = ConnectingRod(1.55, 150.0, 0.8, 50.0)
 ENGINE = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, ROD, 150.0, 200.0, 110.0)
@@ -123,41 +124,27 @@ def test_samples_of_the_force_serve_as_a_function_does():
     np.testing.assert_allclose(by_samples.moment, by_function.moment, atol=1e-9 * largest)
 
 
-@pytest.mark.parametrize(
-    ("change", "match"),
-    [
-        ({"crank_radius": 1.6}, "crank_radius: given 1.6 m"),
-        ({"piston_mass": -1.0}, "piston_mass: given -1 kg"),
-        ({"crosshead_mass": np.nan}, "crosshead_mass: given nan"),
-        ({"crank_inertia": 1.0}, "crank_inertia: given 1 kg m\\^2; allowed is 3.2 kg m\\^2 or"),
-    ],
+test_engines_refused = refusals_of(
+    lambda change: replace(ENGINE, **change),
+    ({"crank_radius": 1.6}, "crank_radius"),
+    ({"piston_mass": -1.0}, "piston_mass"),
+    ({"crosshead_mass": np.nan}, "crosshead_mass"),
+    ({"crank_inertia": 1.0}, "crank_inertia"),
 )
-def test_engines_refused(change, match):
-    with pytest.raises(InputError, match=match):
-        replace(ENGINE, **change)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "match"),
-    [
-        ({"speed": 0.0}, "speed: given 0 rad/s"),
-        ({"samples": 10}, "samples: given 10"),
-        ({"samples": 100.5}, "samples: given 100.5; allowed are whole numbers of 72 or more"),
-        ({"kinematics": "exakt"}, "kinematics: given 'exakt'"),
-        ({"gas_force": np.ones(5)}, "gas_force: given 5 values"),
-        ({"gas_force": lambda a: a + np.nan}, "gas_force"),
-        ({"gas_force": lambda a: a[1:]}, "gas_force: given 1439 values for 1440 angles"),
-    ],
+test_moments_refused = refusals_of(
+    lambda arguments: hinge_moment(ENGINE, **{"gas_force": smooth_force, "speed": 9.3} | arguments),
+    ({"speed": 0.0}, "speed"),
+    ({"samples": 10}, "samples"),
+    ({"samples": 100.5}, "samples"),
+    ({"kinematics": "exakt"}, "kinematics"),
+    ({"gas_force": np.ones(5)}, "gas_force"),
+    ({"gas_force": lambda a: a + np.nan}, "gas_force[0]"),
+    ({"gas_force": lambda a: a[1:]}, "gas_force"),
 )
-def test_moments_refused(arguments, match):
-    given_values = {"gas_force": smooth_force, "speed": 9.3} | arguments
-    force, speed = given_values.pop("gas_force"), given_values.pop("speed")
-    with pytest.raises(InputError, match=match):
-        hinge_moment(ENGINE, force, speed, **given_values)
 
 
 def test_series_refuses_a_lateral_center():
-    with pytest.raises(InputError, match=r"center_offset: given 0\.1 m"):
+    with pytest.raises(InputError, match=r"center_offset: given"):
         reduced_crank(
             replace(ENGINE, rod=replace(ROD, center_offset=0.1)),
             kinematics="series",
@@ -165,15 +152,12 @@ def test_series_refuses_a_lateral_center():
         )
 
 
-SURFACE_ENGINE = CrossheadEngine(
-    0.3, 0.5, 80.0, 0.2, 30.0, ConnectingRod(1.55, 150.0, 0.8, 50.0), 150.0, 200.0, 110.0
-)
 SPRING = GasSpring(0.031, 1.0, 5e6)
 
 
 @pytest.fixture(scope="module")
 def moment():
-    return hinge_moment(SURFACE_ENGINE, smooth_force, 9.32)
+    return hinge_moment(ENGINE, smooth_force, 9.32)
 
 
 @pytest.fixture(scope="module")
@@ -205,33 +189,28 @@ def test_spring_without_atmosphere_is_the_printed_law():
     assert float(SPRING.work(shorter)) == close(energy, rel=1e-13)
 
 
-@pytest.mark.parametrize(
-    ("change", "match"),
-    [
-        ({"height": 0.0}, "height: given 0 m"),
-        ({"pressure": -1.0}, "pressure: given -1 Pa"),
-        ({"exponent": 0.9}, "exponent: given 0.9"),
-        ({"ambient": -1.0}, "ambient: given -1 Pa"),
-    ],
+test_springs_refused = refusals_of(
+    lambda change: replace(SPRING, **change),
+    ({"height": 0.0}, "height"),
+    ({"pressure": -1.0}, "pressure"),
+    ({"exponent": 0.9}, "exponent"),
+    ({"ambient": -1.0}, "ambient"),
 )
-def test_springs_refused(change, match):
-    with pytest.raises(InputError, match=match):
-        replace(SPRING, **change)
 
 
 @pytest.mark.parametrize("ambient", [0.0, 101325.0])
 @pytest.mark.parametrize("name", ["force", "gas_pressure", "work"])
 @pytest.mark.parametrize(
-    ("compression", "message"),
+    ("compression", "field"),
     [
-        (1.0, "compression: given 1 m of a gas column 1 m high; allowed is less than its height"),
-        ([0.1, 1.5], "compression: given 1.5 m of a gas column 1 m high"),
-        ([0.1, np.nan], r"compression\[1\]: given nan"),
-        (-np.inf, "compression: given -inf"),
+        (1.0, "compression"),
+        ([0.1, 1.5], "compression"),
+        ([0.1, np.nan], "compression[1]"),
+        (-np.inf, "compression"),
     ],
 )
-def test_compression_beyond_the_column_is_refused(ambient, name, compression, message):
-    with pytest.raises(InputError, match=message):
+def test_compression_beyond_the_column_is_refused(ambient, name, compression, field):
+    with refused(field):
         getattr(replace(SPRING, ambient=ambient), name)(compression)
 
 
@@ -285,18 +264,12 @@ def test_a_roller_larger_than_the_hollow_has_a_cusp():
     assert not runs_back(0.98 * hollow)
     assert runs_back(1.02 * hollow)
     check_roller(0.98 * hollow, curvature)
-    with pytest.raises(InputError, match=r"roller_radius: given 1 m; allowed is less than 0\.98 m"):
+    with refused("roller_radius"):
         check_roller(1.0, curvature)
 
 
 def test_checks_of_guides(moment, profile):
     assert all(check.met for check in profile.checks)
-    radius, *_, hollow = (check.sentence for check in profile.checks)
-    assert radius.startswith("Smallest radius: 5")
-    assert radius.endswith(
-        " mm, met; it must be above the roller's radius, or the two rollers would meet."
-    )
-    assert hollow.startswith("Smallest hollow: none, met; it must be above the roller's radius")
     small = hinge_profile(moment, GasSpring(0.031, 0.4, 3e6), 0.3, roller_radius=0.2)
     met = {check.name: check.met for check in small.checks}
     assert met["lowest spring pressure"]
@@ -313,9 +286,7 @@ def test_checks_of_guides(moment, profile):
         )
         assert (check.met, check.limit) == (enough, 0.01)
         assert check.value == close(1.0 - compression, rel=1e-12)
-    remarks = " ".join(small.remarks)
-    assert "is up to" in remarks
-    assert "guide of its own" in remarks
+    assert len(small.remarks) == 3
 
 
 def test_guides_that_cannot_be(moment):
@@ -334,27 +305,14 @@ def test_guide_surface_lies_outside_by_the_roller(moment):
     assert np.all(np.abs(rolled.guide()) > rolled.radius)
 
 
-TURN_ENGINE = CrossheadEngine(
-    0.3, 0.5, 80.0, 0.2, 30.0, ConnectingRod(1.55, 150.0, 0.8, 50.0), 150.0, 200.0, 110.0
-)
 SPEED = 9.32
 
 
-@pytest.fixture(scope="module")
-def point():
-    return hinge_moment(TURN_ENGINE, smooth_force, SPEED)
-
-
-@pytest.fixture(scope="module")
-def turn_profile(point):
-    return hinge_profile(point, GasSpring(0.031, 1.0, 5e6), 0.8)
-
-
 @pytest.mark.slow
-def test_the_hinge_makes_the_speed_constant(point, turn_profile):
+def test_the_hinge_makes_the_speed_constant(moment, profile):
     """Integrated with the moment of spring and guides; the bound is 0.1 %, measured is 1e-8."""
-    with_hinge = simulate_hinge(point, turn_profile, samples=720)
-    without = simulate_hinge(point, start_speed=SPEED, samples=720)
+    with_hinge = simulate_hinge(moment, profile, samples=720)
+    without = simulate_hinge(moment, start_speed=SPEED, samples=720)
     assert without.stopped_at_deg is None
     assert without.fluctuation > 1.0
     assert with_hinge.fluctuation < 1e-3 * without.fluctuation
@@ -362,27 +320,27 @@ def test_the_hinge_makes_the_speed_constant(point, turn_profile):
     assert with_hinge.mean_speed == close(SPEED, rel=1e-6)
 
 
-def test_steady_hinge_turn_is_what_integration_gives(point):
-    turn = steady_hinge_turn(point, flywheel=3000.0)
-    run = simulate_hinge(point, flywheel=3000.0, samples=720)
+def test_steady_hinge_turn_is_what_integration_gives(moment):
+    turn = steady_hinge_turn(moment, flywheel=3000.0)
+    run = simulate_hinge(moment, flywheel=3000.0, samples=720)
     # Both use splines through the same 2880 values; the fluctuation is that of four times as many
     # values in one of them, between which a smooth extremum is missed by 1e-5 of the swing.
     assert turn.mean_speed == close(SPEED, rel=1e-12)
     assert run.fluctuation == close(turn.fluctuation, rel=1e-4)
     np.testing.assert_allclose(run.speed[:-1], turn.speed[::4], rtol=1e-8)
-    assert abs(turn.gain) < 1e-7 * np.ptp(point.stored_energy)
+    assert abs(turn.gain) < 1e-7 * np.ptp(moment.stored_energy)
 
 
 @pytest.mark.slow
-def test_equation_of_motion_in_time(point):
+def test_equation_of_motion_in_time(moment):
     """I phi'' + I' phi'^2 / 2 = Q integrated over the time, with everything evaluated where needed."""
 
     def slope(_, state):
-        reduced, moment = point.at_angles(angles_deg=np.degrees(state[:1]))
+        reduced, torque = moment.at_angles(angles_deg=np.degrees(state[:1]))
         inertia, rate = float(reduced.inertia[0]), float(reduced.inertia_rate[0])
-        return state[1], (float(moment[0]) - 0.5 * rate * state[1] ** 2) / inertia
+        return state[1], (float(torque[0]) - 0.5 * rate * state[1] ** 2) / inertia
 
-    turn = steady_hinge_turn(point, top_speed=SPEED)
+    turn = steady_hinge_turn(moment, top_speed=SPEED)
     duration = 0.6 * 2.0 * np.pi / turn.mean_speed
     angle, speed = solve_ivp(slope, (0.0, duration), (0.0, SPEED), rtol=1e-9, atol=1e-9).y[:, -1]
     # Straight lines between 2880 values of a smooth curve: 1e-6 of it.
@@ -391,38 +349,36 @@ def test_equation_of_motion_in_time(point):
     assert speed == close(expected, rel=1e-5)
 
 
-def test_flywheel_reaches_what_it_is_for(point):
-    inertia = flywheel_for(point, 0.01)
-    assert steady_hinge_turn(point, flywheel=inertia).fluctuation == close(0.01, rel=1e-9)
+def test_flywheel_reaches_what_it_is_for(moment):
+    inertia = flywheel_for(moment, 0.01)
+    assert steady_hinge_turn(moment, flywheel=inertia).fluctuation == close(0.01, rel=1e-9)
     # Classical: at an almost constant speed it stores what the hinge would store. The engine's own
     # inertia is 0.1 % of it, and squares of the fluctuation are left out: another 1 %.
-    assert inertia == close(float(np.ptp(point.stored_energy)) / (0.01 * SPEED**2), rel=0.01)
-    assert flywheel_for(point, 50.0) > 0.0
-    with pytest.raises(InputError, match="fluctuation: given 1e-12"):
-        flywheel_for(point, 1e-12)
+    assert inertia == close(float(np.ptp(moment.stored_energy)) / (0.01 * SPEED**2), rel=0.01)
+    assert flywheel_for(moment, 50.0) > 0.0
+    with refused("fluctuation"):
+        flywheel_for(moment, 1e-12)
 
 
-def test_no_flywheel_where_none_is_needed(point, turn_profile):
-    assert flywheel_for(point, 0.01, turn_profile) == 0.0
+def test_no_flywheel_where_none_is_needed(moment, profile):
+    assert flywheel_for(moment, 0.01, profile) == 0.0
 
 
-def test_refusals(point, turn_profile):
-    with pytest.raises(InputError, match=r"speed: given a mean of 89 1/min; allowed is .* 1/min"):
-        steady_hinge_turn(point)
-    with pytest.raises(InputError, match="top_speed: given 9 rad/s beside a mean speed of 9 rad/s"):
-        steady_hinge_turn(point, speed=9.0, top_speed=9.0)
-    with pytest.raises(InputError, match=r"top_speed: given 0.01 rad/s; allowed is more than"):
-        steady_hinge_turn(point, top_speed=0.01)
-    with pytest.raises(InputError, match="flywheel: given -1 kg"):
-        steady_hinge_turn(point, flywheel=-1.0)
-    with pytest.raises(InputError, match="bounds: given 2 to 1"):
-        best_pressure(point, turn_profile, bounds=(2.0, 1.0))
+def test_refusals(moment, profile):
+    for field, options in (
+        ("speed", {}),
+        ("top_speed", {"speed": 9.0, "top_speed": 9.0}),
+        ("top_speed", {"top_speed": 0.01}),
+        ("flywheel", {"flywheel": -1.0}),
+    ):
+        with refused(field):
+            steady_hinge_turn(moment, **options)
+    with refused("bounds"):
+        best_pressure(moment, profile, bounds=(2.0, 1.0))
     with pytest.raises(InputError, match="between which the crank completes revolutions"):
-        best_pressure(point, turn_profile, bounds=(0.1, 0.2))
+        best_pressure(moment, profile, bounds=(0.1, 0.2))
 
 
-def test_checks_of_a_profile_make_a_table():
-    checks = hinge_profile(
-        hinge_moment(ENGINE, smooth_force, 9.32), GasSpring(0.031, 1.0, 5e6), 0.8
-    ).checks
+def test_checks_of_a_profile_make_a_table(profile):
+    checks = profile.checks
     assert list(table_of(checks)["met"]) == [check.met for check in checks]
