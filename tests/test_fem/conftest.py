@@ -1,13 +1,10 @@
-from functools import cache
-
 import numpy as np
 import pytest
 
 from fem.material import STEEL
 from fem.solver import assemble_stiffness
 from fem.superelement import combine_classes, condense
-from fem.supports import class_axial_compliances
-from fem.symmetry import RADIAL, axial_class, symmetry_classes, unit_pin_loads
+from fem.symmetry import RADIAL, symmetry_classes, unit_pin_loads
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from mirrored_mesh import add_mirror_image
@@ -84,17 +81,3 @@ def rigid_motions(throw):
         motions[end + 1, 3], motions[end, 4] = -z, z
     motions[:, 3:] /= throw.crank_radius
     return motions
-
-
-@pytest.fixture(scope="session")
-def axial_compliance():
-    """e_n pinned of a throw on a mesh of a given size factor: one class, one solve, made once."""
-
-    @cache
-    def compute(throw, size_factor=1.3, material=STEEL):
-        mesh = mesh_throw(throw, size_factor)
-        matrix = assemble_stiffness(mesh.points, mesh.elements, material)
-        part = condense(mesh, matrix, unit_pin_loads(mesh), axial_class(mesh.part))
-        return class_axial_compliances(part, "pinned")[0]
-
-    return compute

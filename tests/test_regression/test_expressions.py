@@ -10,7 +10,8 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.units import is_unit
-from parts_in_a_line import crank_throw
+from geometry.throw import CrankThrow
+from plans import SHARP
 from refusals import refusals, refused
 from regression.fits.equation_text import equation_text, term_symbols
 from regression.fits.fits import fit_form
@@ -77,34 +78,22 @@ def test_expressions(text, unit, expected):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        ("pin_diameter web_thickness", "is no expression \\('web_thickness' after"),
-        ("2 pin_diameter", "pin_diameter"),
-        ("1,6 * pin_diameter", "with ',' in it; allowed are numbers with a decimal point"),
-        ("pin_diameter; ratio", "with ';' in it"),
-        ("pin_diameter[0]", "with '\\[' in it"),
-        ("pin_diameter // ratio", "'/' after '/'"),
-        ("pin_diameter * (ratio", "the end after 'ratio'"),
-        ("pin_diameter)", "'\\)' after 'pin_diameter'"),
-        ("pin_diameter *", "the end after '\\*'"),
-        ("* pin_diameter", "'\\*' at its start"),
-        ("()", "'\\)' after '\\('"),
-        ("", "allowed is an expression in quotes"),
-        (True, "allowed is an expression in quotes"),
-        ("pin_diametre * 2", "pin_diametre is no known quantity; did you mean pin_diameter"),
-        ("mm * ratio", "mm is no known quantity; a unit follows a number"),
-        ("3 furlongz", "furlongz is no known quantity"),
-        ("__import__('os')", 'with "\'" in it'),
-        ("max(pin_diameter)", "max is no known quantity"),
-        ("pin_diameter + ratio", "which cannot be calculated \\(Cannot convert from"),
+        *("pin_diameter web_thickness", "2 pin_diameter", "1,6 * pin_diameter"),
+        *("pin_diameter; ratio", "pin_diameter[0]", "pin_diameter // ratio", "3 furlongz"),
+        *("pin_diameter * (ratio", "pin_diameter)", "pin_diameter *", "* pin_diameter", "()", ""),
+        *(True, "mm * ratio", "__import__('os')", "max(pin_diameter)", "pin_diameter + ratio"),
     ],
 )
-def test_expressions_that_cannot_be(text, message):
-    with pytest.raises(InputError, match=rf"^study\.relations\.x: given .*{message}") as caught:
+def test_expressions_that_cannot_be(text):
+    with refused("study.relations.x"):
         value_of(text)
-    assert str(caught.value).endswith(".")
-    assert "\n" not in str(caught.value)
+
+
+def test_a_quantity_that_is_not_known_is_named_with_one_like_it():
+    with pytest.raises(InputError, match=r"pin_diametre .* did you mean pin_diameter"):
+        value_of("pin_diametre * 2")
 
 
 def test_a_division_by_zero_has_no_value():
@@ -112,18 +101,13 @@ def test_a_division_by_zero_has_no_value():
 
 
 @pytest.mark.parametrize(
-    ("text", "unit", "message"),
+    ("text", "unit"),
     [
-        ("pin_diameter ** 2", "m", "which is an area; allowed is a length"),
-        ("ratio", "m", "which is a pure number; allowed is a length"),
-        ("0.3", "m", "which is a pure number; allowed is a length"),
-        ("3 kg", "m", "which is in kg; allowed is a length"),
-        ("ratio", "rad", "which is a pure number; allowed is an angle"),
-        ("120 deg", "", "which is an angle; allowed is a pure number"),
-        ("pin_diameter", "rad", "which is a length; allowed is an angle"),
+        *(("pin_diameter ** 2", "m"), ("ratio", "m"), ("0.3", "m"), ("3 kg", "m")),
+        *(("ratio", "rad"), ("120 deg", ""), ("pin_diameter", "rad")),
     ],
 )
-def test_results_of_another_kind(text, unit, message):
+def test_results_of_another_kind(text, unit):
     with refused("study.relations.x"):
         value_of(text, unit)
 
@@ -166,31 +150,16 @@ def test_what_has_no_value_holds_nothing():
     assert constraint_violations(constraint, VALUES, UNITS, 2)[1] is not None
 
 
-def test_the_reason_shows_both_sides():
-    constraint = read_constraint("web_thickness >= 0.3 * pin_diameter", "c", UNITS)
-    assert constraint_violations(constraint, VALUES, UNITS, 2)[0] == (
-        "the constraint 'web_thickness >= 0.3 * pin_diameter' is broken: 50 mm is not >= 54 mm"
-    )
-
-
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        ("web_thickness", "allowed is a comparison by <, <=, > or >="),
-        ("web_thickness == 5 mm", "allowed is a comparison by"),
-        ("web_thickness != 5 mm", "allowed is a comparison by"),
-        ("web_thickness = 5 mm", "allowed is a comparison by"),
-        (5, "allowed is a comparison by"),
-        ("web_thickness >", "allowed is an expression in quotes"),
-        ("web_thickness > 0.3", "which compares a length with a pure number"),
-        ("ratio < 30 deg", "which compares a pure number with an angle"),
-        ("ratio < wrong", "wrong is no known quantity"),
+        *("web_thickness", *(f"web_thickness {sign} 5 mm" for sign in ("==", "!=", "=")), 5),
+        *("web_thickness >", "web_thickness > 0.3", "ratio < 30 deg", "ratio < wrong"),
     ],
 )
-def test_constraints_that_cannot_be(text, message):
-    with refused("study.constraints[0]") as caught:
+def test_constraints_that_cannot_be(text):
+    with refused("study.constraints[0]"):
         reasons(text)
-    assert str(caught.value).endswith(".")
 
 
 @pytest.mark.parametrize("texts", [{"a": "b", "b": "2 * c", "c": "a"}, {"a": "2 * a"}])
@@ -202,17 +171,8 @@ def test_relations_that_go_round(texts):
 
 
 def test_no_field_of_a_throw_is_a_unit():
-    throw = crank_throw(
-        0.170,
-        0.220,
-        0.180,
-        0.120,
-        0.139,
-        0.285,
-        0.068,
-        counterweight={"outer_radius": 0.25, "angle": 2.0},
-        further_pins=({"angle": 2.0},),
-    )
+    weight, pins = {"outer_radius": 0.25, "angle": 2.0}, ({"angle": 2.0},)
+    throw = CrankThrow(**SHARP.model_dump() | {"counterweight": weight, "further_pins": pins})
     assert not [path for path in throw_fields(throw) if is_unit(path)]
     assert is_unit("mm")
     assert is_unit("h")

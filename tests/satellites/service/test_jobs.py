@@ -445,9 +445,7 @@ def test_a_worker_that_always_dies_is_given_up_until_a_job_is_submitted(
     workers["code"] = DIES
     runner.start()
     until(lambda: runner.health()["state"] == "stopped")
-    assert runner.health()["problems"] == [
-        "Jobs do not run: the worker process died (exit code 7)."
-    ]
+    assert "exit code 7" in runner.health()["problems"][0]
     time.sleep(0.1)
     assert workers["started"] == STARTS
     with pytest.raises(ProblemError, match=r"exit code 7.*tried again now") as refused:
