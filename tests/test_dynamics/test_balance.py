@@ -165,7 +165,7 @@ test_what_is_refused = refusals_of(
     (lambda e: balance(e, 1.0).of(3), "order"),
     (lambda e: acceleration_orders(e, 4, 1.0), "cylinder"),
     (lambda e: acceleration_orders(e, 1, 1.0, 0), "orders"),
-    (lambda e: piston_acceleration(e, 1, 1.0, angles_deg=np.degrees([math.nan])), "angles_deg[0]"),
+    (lambda e: piston_acceleration(e, 1, 1.0, angles_deg=[math.nan]), "angles_deg[0]"),
     (lambda e: balancing_masses(e, -0.1), "reciprocating_share"),
     (lambda e: hinged_rod_effects(e, 1.0), "cylinders"),
     (lambda _: balance(one_cylinder(1.0 - 1e-9), 1.0), "orders"),

@@ -72,7 +72,7 @@ def test_unbounded_is_told_in_every_result():
         assert np.all(np.isinf(both.plain_sum[1]))
         assert np.all(np.isfinite(both.amplitude[[0, 2]]))
         with refused("speed_index"):
-            series.at_angle(1, shaft_angle_deg=np.degrees([0.0]))
+            series.at_angle(1, shaft_angle_deg=[0.0])
     (meeting,) = resonances(found, "flywheel")
     assert meeting.unbounded
     assert meeting.amplitude == meeting.estimate == meeting.magnifier == np.inf

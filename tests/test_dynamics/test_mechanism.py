@@ -100,9 +100,9 @@ test_cranks_that_do_not_turn_are_refused = refusals_of(
 def test_angles_that_are_not_numbers_are_refused():
     drive = SliderCrank(0.07, 0.265)
     with refused("angle_deg[1]"):
-        drive.piston(angle_deg=np.degrees([0.0, math.nan]))
+        drive.piston(angle_deg=[0.0, math.nan])
     with refused("along, across[0]"):
-        drive.rod_point(math.nan, angle_deg=np.degrees([0.0]))
+        drive.rod_point(math.nan, angle_deg=[0.0])
 
 
 SPEED, GAIN = 220.0, 9000.0
@@ -344,7 +344,7 @@ def test_forces_are_those_at_an_angle():
     rod = ConnectingRod(0.2, 1.0, 0.07, 0.006)
     engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
     with refused("shaft_angles_deg"):
-        mechanism_forces(engine, 10.0, shaft_angles_deg=np.degrees([]))
+        mechanism_forces(engine, 10.0, shaft_angles_deg=[])
 
 
 unit = st.floats(0.05, 0.95)
@@ -496,11 +496,11 @@ def test_each_cylinder_takes_its_pressure_from_its_own_firing_top():
         found[1], area * (1e4 + 1e4 * (3.0 * math.pi + np.array([0.0, 0.5]))), rtol=1e-12
     )
     with refused("pressure"):
-        gas_forces(engine, [Rising()], shaft_angles_deg=np.degrees([0.0]))
+        gas_forces(engine, [Rising()], shaft_angles_deg=[0.0])
     two_stroke = Rising()
     two_stroke.strokes = 2
     with refused("pressure"):
-        gas_forces(engine, [Rising(), two_stroke], shaft_angles_deg=np.degrees([0.0]))
+        gas_forces(engine, [Rising(), two_stroke], shaft_angles_deg=[0.0])
 
 
 @pytest.mark.parametrize(

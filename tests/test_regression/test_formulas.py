@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparing import close
-from crankbase.errors import InputError
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import FurtherPin, Web
@@ -195,11 +194,7 @@ def test_printed_tsniimf_has_no_value_without_overlap():
 def test_formulas_without_an_angle_say_so():
     values = axial_formulas(LOW_SPEED, 120.0)
     assert {name for name, value in values.items() if not value.valid} == {
-        "Guglielmotti-Macchiotta",
-        "Draminsky (1)",
-        "TsNIIMF",
-        "Skorchev",
-        "Stoyanov",
+        *("Guglielmotti-Macchiotta", "Draminsky (1)", "TsNIIMF", "Skorchev", "Stoyanov")
     }
     with_factor = axial_formula("Guglielmotti-Macchiotta", LOW_SPEED, 120.0, constants={"C": 0.7})
     assert with_factor.valid
@@ -250,12 +245,7 @@ def test_constants_are_documented():
 def test_printed_leaves_out_what_cannot_be_evaluated():
     printed = axial_formulas(MEDIUM_SPEED, variant="printed")
     assert set(printed) == {
-        "Guglielmotti-Macchiotta",
-        "Draminsky (1)",
-        "TsNIIMF",
-        "Dorey",
-        "Skorchev",
-        "Stoyanov",
+        *("Guglielmotti-Macchiotta", "Draminsky (1)", "TsNIIMF", "Dorey", "Skorchev", "Stoyanov")
     }
     assert set(AXIAL_FORMULA_NAMES) - set(printed) == set(
         axial_formula_faults(MEDIUM_SPEED, "printed")
@@ -280,25 +270,25 @@ test_unsound_print_raises_with_the_dimensional_fault = refusals_of(
 
 
 @pytest.mark.parametrize(
-    ("change", "match"),
+    ("change", "field"),
     [
-        ({"gamma_deg": math.nan}, "gamma_deg: given nan"),
-        ({"gamma_deg": STEEL}, "gamma_deg: given a Material; write it as material="),
-        ({"material": 2.1e11}, "material: given 210000000000.0; allowed is a Material"),
-        ({"gamma_deg": "90"}, "gamma_deg: given '90'; allowed is a finite angle in deg"),
-        ({"gamma_deg": np.array([0.0, 90.0])}, r"gamma_deg: given array\(\[ 0., 90.\]\); allowed"),
-        ({"constants": {"C": "1"}}, r"constant C: given '1'; allowed is a positive number"),
-        ({"constants": {"k_n": [1.0]}}, r"constant k_n: given \[1.0\]"),
-        ({"variant": "repaired"}, "variant: given 'repaired'; allowed are corrected"),
-        ({"constants": {"k_4": 1.0}}, "constants: given 'k_4'; allowed are C, k_3, k_or, k_n"),
-        ({"constants": {"k_3": -1.0}}, r"constant k_3: given -1.0"),
-        ({"constants": {"C": 0.0}}, r"constant C: given 0.0"),
+        ({"gamma_deg": math.nan}, "gamma_deg"),
+        ({"gamma_deg": STEEL}, "gamma_deg"),
+        ({"material": 2.1e11}, "material"),
+        ({"gamma_deg": "90"}, "gamma_deg"),
+        ({"gamma_deg": np.array([0.0, 90.0])}, "gamma_deg"),
+        ({"constants": {"C": "1"}}, "constant C"),
+        ({"constants": {"k_n": [1.0]}}, "constant k_n"),
+        ({"variant": "repaired"}, "variant"),
+        ({"constants": {"k_4": 1.0}}, "constants"),
+        ({"constants": {"k_3": -1.0}}, "constant k_3"),
+        ({"constants": {"C": 0.0}}, "constant C"),
     ],
 )
-def test_unusable_input_is_one_sentence(change, match):
-    with pytest.raises(InputError, match=match):
+def test_unusable_input_is_one_sentence(change, field):
+    with refused(field):
         axial_formulas(MEDIUM_SPEED, **change)
-    with pytest.raises(InputError, match=match):
+    with refused(field):
         axial_formula("Anderson", MEDIUM_SPEED, **change)
 
 

@@ -78,9 +78,8 @@ def test_the_law_ends_where_the_range_of_a_dimension_does(more):
         ends = ranges[name]
         assert ends["low"] < known[name] < ends["high"]
         for end, beyond in (("low", 0.999), ("high", 1.001)):
-            if not ends[end] or (
-                name.endswith("_bore") and end == "high"
-            ):  # the wall ends it earlier
+            # The wall ends a bore earlier.
+            if not ends[end] or (name.endswith("_bore") and end == "high"):
                 continue
             # The ratio that is told is the nearest there, and refused beyond.
             ratio = ends[f"{end}_limit"].partition(" = ")[0]
@@ -150,17 +149,17 @@ def test_bands_grow_from_those_of_a_plain_throw():
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("changes", "field"),
     [
-        ({"crank_radius": 0.5}, r"crank_radius / main_journal_diameter: given 2.273; allowed is 0.45 to 2,"),
-        ({"web_width": 0.50}, r"web_width / main_journal_diameter: given 2.273; allowed is 1.15 to 2,"),
-        ({"pin_bore": 0.12, "pin_bore_offset": 0.012}, r"pin_bore: leaves a wall of 0.1"),
-        ({"oil_holes": (OilHole(part="pin", diameter=0.015),)}, r"throw.oil_holes: given 1;"),
-        ({"left_web": Web(width=0.32)}, r"throw.left_web.width: given 0.32; allowed for the law is only"),
+        ({"crank_radius": 0.5}, "crank_radius / main_journal_diameter"),
+        ({"web_width": 0.50}, "web_width / main_journal_diameter"),
+        ({"pin_bore": 0.12, "pin_bore_offset": 0.012}, "pin_bore"),
+        ({"oil_holes": (OilHole(part="pin", diameter=0.015),)}, "throw.oil_holes"),
+        ({"left_web": Web(width=0.32)}, "throw.left_web.width"),
     ],
-)  # fmt: skip
-def test_what_the_law_does_not_know_is_refused(changes, message):
-    with pytest.raises(InputError, match=message):
+)
+def test_what_the_law_does_not_know_is_refused(changes, field):
+    with refused(field):
         axial_law(THROW.changed(**changes))
 
 
@@ -171,18 +170,18 @@ def test_other_poisson_ratios_are_refused(poisson_ratio):
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("changes", "field"),
     [
-        ({"web_depth": 0.1}, "web_depth: not a dimension of the law"),
-        ({"pin_length": None}, "pin_length: missing"),
-        ({"pin_length": -0.1}, "pin_length: given -0.1; allowed is a positive length"),
+        ({"web_depth": 0.1}, "web_depth"),
+        ({"pin_length": None}, "pin_length"),
+        ({"pin_length": -0.1}, "pin_length"),
         ({"pin_length": float("nan")}, "pin_length"),
-        ({"pin_length": [0.13, 0.14]}, r"dimensions: given arrays of the shapes .*pin_length"),
+        ({"pin_length": [0.13, 0.14]}, "dimensions"),
     ],
 )
-def test_wrong_dimensions_of_many_throws_are_refused(changes, message):
+def test_wrong_dimensions_of_many_throws_are_refused(changes, field):
     given = {name: value for name, value in (MANY | changes).items() if value is not None}
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match=rf"^{field}: [^\n]+\.$"):
         axial_laws(**given)
 
 

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -184,90 +185,60 @@ def test_a_relation_without_a_value_excludes_the_design():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("design", "message"),
-    [
-        (DesignChoice(), r"^study\.factors: none of the 4 designs can be used; reason for the"),
-        (HYPERCUBE, r"^study\.factors: fewer than 12 of the points drawn .*\(run\) can be used; "),
-    ],
+    ("design", "figure"), [(DesignChoice(), "4 designs"), (HYPERCUBE, "12 of the points")]
 )
-def test_a_study_of_which_nothing_remains(design, message):
+def test_a_study_of_which_nothing_remains(design, figure):
     plan = StudyPlan(THROW, (WIDTH, LENGTH), design, constraints=("web_width < 0.2 m",))
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match=rf"^study\.factors: .*{figure}"):
         plan_designs(plan)
 
 
 # ------------------------------------------------------------------------------------ what cannot be
 
 
+COUNTER = Factor("counterweight.angle", "rad", 1.0, 2.0)
+LABELS = Factor.of_labels("pin_length", ("short", "long"))
+HEXAGON = Factor.of_labels("web_outline", ("obround", "hexagon"))
+LEVELS = Factor.of_levels("web_width", "m", (0.27, 0.28, 0.33))
+
+
 @pytest.mark.parametrize(
-    ("factors", "options", "message"),
+    ("factors", "options", "field"),
     [
-        ((), {}, r"^study\.factors: given none; allowed is at least one factor that is a number"),
-        ((OUTLINE,), {}, r"^study\.factors: given web_outline; allowed is at least one"),
-        ((WIDTH, WIDTH), {}, r"^study\.factors\.web_width: given twice"),
-        ((Factor("web_with", "m", 0.1, 0.2),), {}, r"^study\.factors\.web_with: unknown throw"),
-        ((WIDTH, RATIO), {}, r"^study\.factors\.width_ratio: unknown throw dimension, and no rel"),
-        ((Factor("web_width", "rad", 0.1, 0.2),), {}, r"^study\.factors\.web_width: given in"),
-        (
-            (WIDTH, Factor.of_labels("web_outline", ("obround", "hexagon"))),
-            {},
-            r"^study\.factors\.web_outline: given hexagon; allowed is obround, rectangle",
+        ((), {}, "factors"),
+        ((OUTLINE,), {}, "factors"),
+        ((WIDTH, WIDTH), {}, "factors.web_width"),
+        ((Factor("web_with", "m", 0.1, 0.2),), {}, "factors.web_with"),
+        ((WIDTH, RATIO), {}, "factors.width_ratio"),
+        ((Factor("web_width", "rad", 0.1, 0.2),), {}, "factors.web_width"),
+        ((WIDTH, HEXAGON), {}, "factors.web_outline"),
+        ((WIDTH, LABELS), {}, "factors.pin_length"),
+        ((WIDTH, Factor("web_outline", "", 0.0, 1.0)), {}, "factors.web_outline"),
+        ((COUNTER,), {}, "factors.counterweight.angle"),
+        ((LEVELS,), {"design": HYPERCUBE}, "factors.web_width"),
+        ((WIDTH,), {"constraints": ("web_width > 3",)}, "constraints[0]"),
+        *(
+            ((WIDTH,), {"relations": relations}, field)
+            for relations, field in (
+                ({"web_width": "2 * pin_diameter"}, "relations.web_width"),
+                ({"web_outline": "2 * pin_diameter"}, "relations.web_outline"),
+                ({"overlap": "2 * pin_diameter"}, "relations.overlap"),
+                ({"pin_length": "web_width ** 2"}, "relations.pin_length"),
+                ({"pin_length": "web_tip_thickness"}, "relations.pin_length"),
+                ({"pin_length": "web_thickness", "web_thickness": "pin_length"}, "relations"),
+            )
         ),
-        (
-            (WIDTH, Factor.of_labels("pin_length", ("short", "long"))),
-            {},
-            r"^study\.factors\.pin_length: given short; allowed is a range or levels in m",
-        ),
-        ((WIDTH, Factor("web_outline", "", 0.0, 1.0)), {}, r"^study\.factors\.web_outline: given"),
-        (
-            (Factor("counterweight.angle", "rad", 1.0, 2.0),),
-            {},
-            r"^study\.factors\.counterweight\.angle: unknown .* has no counterweight to vary",
-        ),
-        (
-            (WIDTH,),
-            {"relations": {"web_width": "2 * pin_diameter"}},
-            r"^study\.relations\.web_width: is a factor as well",
-        ),
-        (
-            (WIDTH,),
-            {"relations": {"web_outline": "2 * pin_diameter"}},
-            r"^study\.relations\.web_outline: is a choice",
-        ),
-        ((WIDTH,), {"relations": {"overlap": "2 * pin_diameter"}}, r"^study\.relations\.overlap:"),
-        (
-            (WIDTH,),
-            {"relations": {"pin_length": "web_width ** 2"}},
-            r"^study\.relations\.pin_length: given 'web_width \*\* 2', which is an area",
-        ),
-        (
-            (WIDTH,),
-            {"relations": {"pin_length": "web_tip_thickness"}},
-            r"^study\.relations\.pin_length: .* web_tip_thickness is no known quantity",
-        ),
-        (
-            (WIDTH,),
-            {"relations": {"pin_length": "web_thickness", "web_thickness": "pin_length"}},
-            r"^study\.relations: given a circle",
-        ),
-        ((WIDTH,), {"constraints": ("web_width > 3",)}, r"^study\.constraints\[0\]: .* compares"),
+        # The name of a unit.
         (
             (WIDTH, Factor("h", "", 1.0, 2.0)),
             {"relations": {"pin_length": "h * pin_diameter"}},
-            r"^study\.factors\.h: is the name of a unit",
-        ),
-        (
-            (Factor.of_levels("web_width", "m", (0.27, 0.28, 0.33)),),
-            {"design": HYPERCUBE},
-            r"^study\.factors\.web_width: given 3 levels; allowed with the design 'latin hyper",
+            "factors.h",
         ),
     ],
 )
-def test_plans_that_cannot_be(factors, options, message):
-    with pytest.raises(InputError, match=message) as caught:
+def test_plans_that_cannot_be(factors, options, field):
+    with pytest.raises(InputError, match=rf"^study\.{re.escape(field)}: [^\n]+\.$"):
         StudyPlan(THROW, factors, **options)
-    assert str(caught.value).endswith(".")
-    assert "\n" not in str(caught.value)
 
 
 # ------------------------------------------------------------------------------------ keys and records
@@ -368,27 +339,25 @@ def test_the_middle_of_a_range_is_what_one_would_write():
 
 
 @pytest.mark.parametrize(
-    ("make", "message"),
+    "make",
     [
-        (lambda: Factor("a", "m", 0.2, 0.1), "given the range 200 mm to 100 mm; the lowest"),
-        (lambda: Factor("a", "m", 0.1, math.inf), r"given \(0\.1, inf\); allowed are finite"),
-        (lambda: Factor.of_levels("a", "m", ()), "given no level; allowed are two or more"),
-        (lambda: Factor.of_levels("a", "m", (0.1,)), "given 1 level; allowed are two"),
-        (lambda: Factor.of_levels("a", "m", (0.1, 0.1)), "given 1 level; allowed are two"),
-        (lambda: Factor.of_levels("a", "m", (0.1, 0.2, 0.1)), "given 100 mm, 200 mm, 100 mm; each"),
-        (lambda: Factor("a", "m", 0.1, 0.2, (0.1, 0.3)), "given levels 100 mm, 300 mm; allowed"),
-        (lambda: Factor.of_labels("a", ("x",)), "given x; allowed are two or more different"),
-        (lambda: Factor.of_labels("a", ("x", "y", "x")), "given x, y, x; allowed is each choice"),
-        (lambda: Factor.spread("a", "m", 0.1, 0.2, 1, "even"), "given 1; allowed is a whole"),
-        (lambda: Factor.spread("a", "m", 0.1, 0.2, 3, "odd"), "given 'odd'; allowed are even, log"),
-        (lambda: Factor.spread("a", "m", 0.0, 0.2, 3, "log"), "given 0 mm; allowed is more than 0"),
-        (lambda: Factor.spread("a", "m", 0.2, 0.2, 3, "log"), "given the range 200 mm to 200 mm"),
+        lambda: Factor("a", "m", 0.2, 0.1),
+        lambda: Factor("a", "m", 0.1, math.inf),
+        lambda: Factor("a", "m", 0.1, 0.2, (0.1, 0.3)),
+        *(
+            partial(Factor.of_levels, "a", "m", levels)
+            for levels in ((), (0.1,), (0.1, 0.1), (0.1, 0.2, 0.1))
+        ),
+        *(partial(Factor.of_labels, "a", labels) for labels in (("x",), ("x", "y", "x"))),
+        partial(Factor.spread, "a", "m", 0.1, 0.2, 1, "even"),
+        partial(Factor.spread, "a", "m", 0.1, 0.2, 3, "odd"),
+        partial(Factor.spread, "a", "m", 0.0, 0.2, 3, "log"),
+        partial(Factor.spread, "a", "m", 0.2, 0.2, 3, "log"),
     ],
 )
-def test_factors_that_cannot_be(make, message):
-    with pytest.raises(InputError, match=rf"^study\.factors\.a[a-z.]*: {message}") as caught:
+def test_factors_that_cannot_be(make):
+    with pytest.raises(InputError, match=r"^study\.factors\.a[a-z.]*: given [^\n]+\.$"):
         make()
-    assert str(caught.value).endswith(".")
 
 
 @pytest.mark.parametrize(
