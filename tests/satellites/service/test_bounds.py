@@ -38,7 +38,7 @@ def locked(tmp_path_factory):
 def test_other_machines_need_a_key():
     for field, options in (
         ("--host", {"host": "0.0.0.0"}),
-        ("--key-file", {"host": "0.0.0.0", "key": "short"}),
+        ("key", {"host": "0.0.0.0", "key": "short"}),
         ("--host", {"host": "", "key": KEY}),
         ("--port", {"port": 70000}),
     ):
