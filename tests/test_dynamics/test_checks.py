@@ -125,9 +125,7 @@ ELSEWHERE = {
     "highest order": lambda: engine_orders(4, 1e50),
     "orders": lambda: cylinder_harmonics(ENGINE, "a", GAS),
     "star": lambda: star_diagram(ENGINE, 1e308),
-    "angle": lambda: reduced_inertia(
-        ENGINE, MODELS, shaft_angles_deg=[0.0, np.nan]
-    ),
+    "angle": lambda: reduced_inertia(ENGINE, MODELS, shaft_angles_deg=[0.0, np.nan]),
     "acceleration": lambda: mechanism_forces(
         ENGINE, 1.0, crank_acceleration=-1e308, shaft_angles_deg=DEGREES
     ),
