@@ -13,7 +13,7 @@ from crankfem.analyses.engine_mechanism import (
 )
 from crankfem.analyses.file_check import check_file, refuse_what_cannot_run  # noqa: F401
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism  # noqa: F401
-from crankfem.analyses.vibration.engine_excitation import engine_load  # noqa: F401
+from crankfem.analyses.vibration.engine_load import engine_load  # noqa: F401
 from crankfem.analyses.vibration.run import engine_vibration  # noqa: F401
 from crankfem.files.chain.chain_file import load_chain, write_chain_text  # noqa: F401
 from crankfem.files.engine.engine_file import load_mechanism  # noqa: F401

@@ -22,17 +22,14 @@ from crankfem.analyses.shaft.chains import shaft_surroundings
 from crankfem.analyses.strength.cycle_loads import supported_throws
 from crankfem.analyses.strength.engine_strength import shrink_fit, throw_webs
 from crankfem.analyses.vibration import run as vibration_run
-from crankfem.analyses.vibration.engine_excitation import (
-    engine_harmonics,
-    engine_load,
-    forces_over_speeds,
-)
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forces_over_speeds
 from crankfem.analyses.vibration.engine_limits import (
     compared_quantities,
     engine_limits,
     rule_of,
     unmodeled_plant,
 )
+from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.engine.file_kinds import SECTIONS

@@ -16,9 +16,9 @@ from crankfem.analyses.engine_mechanism import load_any, pressures_at, with_thro
 from crankfem.analyses.vibration.engine_excitation import (
     calculated_speeds,
     engine_harmonics,
-    engine_load,
     failing_harmonics,
 )
+from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.engine.full_load import motored_for_misfire
 from crankfem.files.reading.data_files import InputFiles, input_path

@@ -15,11 +15,8 @@ import numpy as np
 import pytest
 
 import crankfem as cf
-from crankfem.analyses.vibration.engine_excitation import (
-    engine_harmonics,
-    engine_load,
-    forces_over_speeds,
-)
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics, forces_over_speeds
+from crankfem.analyses.vibration.engine_load import engine_load
 
 pytestmark = pytest.mark.slow
 

@@ -18,11 +18,8 @@ from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.chain_answers import EngineChains
-from crankfem.analyses.vibration.engine_excitation import (
-    engine_harmonics,
-    failing_harmonics,
-    pressures_of_cylinders,
-)
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
+from crankfem.analyses.vibration.engine_load import pressures_of_cylinders
 from crankfem.analyses.vibration.misfiring import Cylinders, Series, Superposition, misfiring_cases
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile

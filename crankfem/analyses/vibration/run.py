@@ -36,12 +36,8 @@ from crankfem.analyses.vibration.bearing_sweep import (
     with_answers,
 )
 from crankfem.analyses.vibration.chain_answers import EngineChains
-from crankfem.analyses.vibration.engine_excitation import (
-    EngineLoad,
-    engine_harmonics,
-    engine_load,
-    refuse_vibration,
-)
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics, refuse_vibration
+from crankfem.analyses.vibration.engine_load import EngineLoad, engine_load
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.misfiring import Misfiring, misfiring_or_reason
 from crankfem.analyses.vibration.modes import Kind, Vibration, axial_vibration, torsional_vibration
