@@ -197,7 +197,10 @@ def _of_assessment(results: "RunResults", assessment: Assessment) -> list[Findin
     strong = tuple(own.sentence for own in (strength, results.fatigue) if own)
     weak = (strength.sentence,) if strength is not None and too_weak(strength) else ()
     remedy = _remedy(results, check)
-    helps = (*([remedy.sentence] if remedy else []), *_ranges(assessment))
+    helps = (
+        *([remedy.sentence] if remedy else []),
+        *(f"{kept(span.sentence)}." for span in assessment.verdict.deciding_first),
+    )
     assumed = Finding(
         "Assumed",
         "inputs",
@@ -206,14 +209,15 @@ def _of_assessment(results: "RunResults", assessment: Assessment) -> list[Findin
         _assumed(results, assessment, reasons=1),
         tuple(dict.fromkeys(trial.field for trial in assessment.decision.trials)),
     )
-    misfires = (_misfiring(results.vibration),)
+    misfiring = results.vibration.misfiring
+    misfires = results.vibration.misfiring_note if misfiring is None else misfiring.sentence
     return [
         *([assumed] if assessment.undecided else []),
         Finding("Limits", "limits", 0, (_reached(assessment),), (), place),
         Finding("Whole crankshaft", "whole", 0, _by_whole(results.vibration, assessment)),
         Finding("Why", "limits", 5, (_cause(assessment),), (_main_cause(assessment),), place),
         Finding("What helps", "limits", 4, helps, (_measures(results, assessment),), place),
-        Finding("Misfiring", "limits", 0, misfires),
+        Finding("Misfiring", "limits", 0, (sentence(misfires) if misfires else "",)),
         *([] if assessment.undecided else [assumed]),
         Finding("Models", "whole", 0, _other_models(results.vibration, assessment)),
         Finding("Strength", "strength", 6, strong, weak, ("strength",)),
@@ -296,10 +300,6 @@ def _share(use: LimitUse, unit: str, passing: bool = False) -> str:
     return f"{at}, {format_usage(use.used)} of the {of}"
 
 
-def _ranges(assessment: Assessment) -> tuple[str, ...]:
-    return tuple(f"{kept(span.sentence)}." for span in assessment.verdict.deciding_first)
-
-
 def _assumed(
     results: "RunResults", assessment: Assessment, reasons: int | None = None
 ) -> tuple[str, ...]:
@@ -351,13 +351,6 @@ def _axial_amplitude(results: "RunResults") -> str:
     axial, value = MOTION["axial"], float(reached[worst])
     amplitude = amount(value, axial.si, DIGITS, zeros=True, shown=axial.printed)
     return f" ({amplitude} at the free end at {speed_shown(float(forced.speeds[inside][worst]))})"
-
-
-def _misfiring(vibration: EngineVibration) -> str:
-    """State what misfiring does, or why it was not calculated."""
-    misfiring = vibration.misfiring
-    text = vibration.misfiring_note if misfiring is None else misfiring.sentence
-    return sentence(text) if text else ""
 
 
 def failed_checks(checks: Sequence["Check"]) -> str:

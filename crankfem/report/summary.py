@@ -16,7 +16,6 @@ from crankfem.analyses.vibration.tables import CriticalLine, critical_lines, spe
 from crankfem.files.engine.mechanism_cylinders import order_named
 from crankfem.report.conclusions import (
     DIGITS,
-    Finding,
     findings,
     headline,
     main_findings,
@@ -54,37 +53,32 @@ def summary(results: "RunResults") -> Record:
         status = "barred"
     if too_weak(results.strength):
         status = "bad"
+    # Limits that only misfiring exceeds.
+    by_misfiring = misfiring_decides(vibration) and (
+        assessment is None or assessment.verdict.status != "not acceptable"
+    )
+    by_section: dict[str, list[str]] = {}
+    for finding in findings(results):
+        if finding.long:
+            text = finished(joined(" ", finding.long))
+            by_section.setdefault(finding.section, []).append(text)
     return {
         "facts": engine_facts(results),
         "status": status,
         "headline": headline(results.vibration, results.strength),
         "tiles": tiles(results),
         "plot": (
-            *(("misfiring_stress",) if _misfiring_alone(vibration) else ()),
+            *(("misfiring_stress",) if by_misfiring else ()),
             *("deciding", "torsional_stress", "torsional_campbell"),
         ),
         "findings": main_findings(results),
-        "found": _by_section(findings(results)),
+        "found": by_section,
         "limits": [] if assessment is None else worst_of_each(assessment.verdict.checks),
         "frequencies": [_frequency(vibration, kind) for kind in KINDS],
         "uncertain": {}
         if assessment is None
         else {kind: uncertain_sentence(vibration, assessment, kind) for kind in KINDS},
     }
-
-
-def _misfiring_alone(vibration: EngineVibration) -> bool:
-    assessment = vibration.assessment
-    exceeded = assessment is not None and assessment.verdict.status == "not acceptable"
-    return misfiring_decides(vibration) and not exceeded
-
-
-def _by_section(each: Iterable[Finding]) -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for finding in each:
-        if finding.long:
-            found.setdefault(finding.section, []).append(finished(joined(" ", finding.long)))
-    return found
 
 
 def tiles(results: "RunResults") -> list[Record]:
@@ -295,23 +289,21 @@ def engine_facts(results: "RunResults") -> list[str]:
             f"driven by {'an' if engine.driven_by == 'engine' else 'a'} {engine.driven_by}"
         )
     if count > 1:
-        order = f"{order_named(engine.driven_by)} {'-'.join(map(str, engine.firing_order))}"
-        facts.append(order + _firing(engine.firing_intervals_deg))
+        intervals = engine.firing_intervals_deg
+        steps = repeating_intervals(intervals)
+        each = listed(np.radians(steps).tolist(), "rad", 4)
+        in_turn = " in turn" if len(steps) < len(intervals) else ""
+        evenness = "evenly every" if len(steps) == 1 else "unevenly, at intervals of"
+        facts.append(
+            f"{order_named(engine.driven_by)} {'-'.join(map(str, engine.firing_order))}, "
+            f"{evenness} {each}{'' if len(steps) == 1 else in_turn}"
+        )
     return list(map(finished, facts))
 
 
 def exactly(value: float, unit: str) -> str:
     """Write a value that was given, with all of its digits."""
     return amount(value, unit, exact=True)
-
-
-def _firing(intervals: Sequence[float]) -> str:
-    """Say at which intervals an engine fires."""
-    steps = repeating_intervals(intervals)
-    each = listed(np.radians(steps).tolist(), "rad", 4)
-    if len(steps) == 1:
-        return f", evenly every {each}"
-    return f", unevenly, at intervals of {each}{' in turn' if len(steps) < len(intervals) else ''}"
 
 
 def uncertain_sentence(vibration: EngineVibration, assessment: Assessment, kind: str) -> str:

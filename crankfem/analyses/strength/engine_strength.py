@@ -645,17 +645,16 @@ def _of_throws(numbered_texts: Iterable[tuple[int, str]]) -> tuple[str, ...]:
     numbers_of: dict[str, list[int]] = {}
     for number, text in numbered_texts:
         numbers_of.setdefault(text, []).append(number)
-    return tuple(f"{_numbered(throws)}{text}" for text, throws in numbers_of.items())
-
-
-def _numbered(throws: Sequence[int]) -> str:
-    """Name throws, those that follow each other by the first and the last."""
-    if len(throws) == 1:
-        return f"throw {throws[0]}"
-    first, last = throws[0], throws[-1]
-    if len(throws) > 2 and list(throws) == list(range(first, last + 1)):
-        return f"throws {first} to {last}"
-    return f"throws {', '.join(map(str, throws))}"
+    sentences = []
+    for text, throws in numbers_of.items():
+        first, last = throws[0], throws[-1]
+        named = f"throws {', '.join(map(str, throws))}"
+        if len(throws) == 1:
+            named = f"throw {first}"
+        elif len(throws) > 2 and throws == [*range(first, last + 1)]:
+            named = f"throws {first} to {last}"
+        sentences.append(f"{named}{text}")
+    return tuple(sentences)
 
 
 def _method(symbol: str) -> str:

@@ -183,8 +183,13 @@ def _steels(engine_file: EngineFile, status: Status, findings: Findings) -> list
 def _with_changes(made: Trial, others: set[float], judged: Judged) -> list[Trial]:
     """The value used and others, and those between which the verdict changes."""
     tried = [made, *(_tried(made, value, judged) for value in sorted(others - {made.value}))]
-    for pair in changes(tried):
-        tried += _at_change(*pair, judged)
+    for ends in changes(tried):
+        low, high = ends
+        while high.value - low.value > STRENGTH_STEP:
+            steps = round(0.5 * (high.value - low.value) / STRENGTH_STEP)
+            between = _tried(made, low.value + max(1, steps) * STRENGTH_STEP, judged)
+            low, high = (between, high) if between.acceptable == low.acceptable else (low, between)
+        tried += [trial for trial in (low, high) if trial not in ends]
     return tried
 
 
@@ -212,16 +217,6 @@ def _magnifiers(
 
 def _tried(like: Trial, value: float, judged: Judged) -> Trial:
     return replace(like, value=value, status=judged(value), taken=False)
-
-
-def _at_change(low: Trial, high: Trial, judged: Judged) -> list[Trial]:
-    """The two strengths, a step apart, between which the verdict changes."""
-    first = (low, high)
-    while high.value - low.value > STRENGTH_STEP:
-        steps = round(0.5 * (high.value - low.value) / STRENGTH_STEP)
-        tried = _tried(low, low.value + max(1, steps) * STRENGTH_STEP, judged)
-        low, high = (tried, high) if tried.acceptable == low.acceptable else (low, tried)
-    return [trial for trial in (low, high) if trial not in first]
 
 
 # Largest step from one factor to the next: a resonance then moves by 7 %, which no running range is

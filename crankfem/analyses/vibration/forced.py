@@ -622,22 +622,18 @@ def _searched(
     grid = calculated_speeds(file, harmonics.orders, chains.damped)
     answers = chains.at(harmonics, grid)
 
+    running = (file.engine.lowest_speed, file.engine.highest_speed)
+
     def used(speeds: FloatArray) -> FloatArray:
-        return _limit_usage(file, answers if speeds is grid else chains.at(harmonics, speeds))
+        """Used shares of the limits where they apply, (curves, speeds), and free ends' amplitudes."""
+        there = answers if speeds is grid else chains.at(harmonics, speeds)
+        shares = [
+            np.where(speeds <= limit_end_speed(limit, running), usage(limit, curve), 0.0)
+            for limit, curve in limit_findings(file, *there)
+        ]
+        # Speeds below the running ones are passed on starting: their maxima are for themselves.
+        kept = [np.where(within(speeds, *running), share, 0.0) for share in shares]
+        moved = [answer.free_end.synthesis.amplitude[:, 0] for answer in there]
+        return np.array([*shares, *kept, *moved])
 
     return grid, answers, refined_maxima(used, grid, least=1.0)
-
-
-def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
-    """Used shares of the limits where they apply, (curves, speeds), and free ends' amplitudes."""
-    engine = engine_file.engine
-    running = (engine.lowest_speed, engine.highest_speed)
-    speeds = answers[0].response.speeds
-    used = [
-        np.where(speeds <= limit_end_speed(limit, running), usage(limit, curve), 0.0)
-        for limit, curve in limit_findings(engine_file, *answers)
-    ]
-    # Speeds below the running ones are passed on starting: their maxima are for themselves.
-    kept = [np.where(within(speeds, *running), share, 0.0) for share in used]
-    moved = [answer.free_end.synthesis.amplitude[:, 0] for answer in answers]
-    return np.array([*used, *kept, *moved])

@@ -1,12 +1,13 @@
 """Read chain files: nodes, elements, gears and dampers in TOML, or plain text; shaft lines of engines."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
+from crankbase.array_checks import FloatArray
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
@@ -262,7 +263,20 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
             )
     units = UNITS[kind]
     lines = [f"{kind}: {name}" if name else kind]
-    links = [(pair, _spring(chain, number, units)) for number, pair in enumerate(chain.connections)]
+    of_elements = (
+        ("inertia", chain.distributed_inertia, f" {units['inertia']}"),
+        ("damping", chain.damping, f" {units['damping']}"),
+        ("loss", chain.loss_factor, ""),
+    )
+    of_nodes = (
+        ("ground", chain.ground, f" {units['stiffness']}"),
+        ("ground damping", chain.ground_damping, f" {units['damping']}"),
+    )
+    springs = [
+        _columns([f"{float(stiffness)!r} {units['stiffness']}"], number, of_elements)
+        for number, stiffness in enumerate(chain.stiffness)
+    ]
+    links = list(zip(chain.connections, springs, strict=True))
     waiting = 0
     for node, node_name in enumerate(chain.names):
         while waiting < len(links) and max(links[waiting][0]) <= node:
@@ -271,7 +285,8 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
                 break
             lines.append(f"  {text}")
             waiting += 1
-        lines.append(_node_line(chain, node, node_name, units))
+        inertia = f"{float(chain.inertia[node])!r} {units['inertia']}"
+        lines.append(_columns([node_name, inertia], node, of_nodes))
     rest = links[waiting:]
     rest += [
         ((d.left, d.right), f"dashpot {d.damping!r} {units['damping']}") for d in chain.dashpots
@@ -282,27 +297,14 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
     return "\n".join(lines) + "\n"
 
 
-def _node_line(chain: Chain, node: int, name: str, units: dict[str, str]) -> str:
-    parts = [name, f"{float(chain.inertia[node])!r} {units['inertia']}"]
-    for word, values, unit in (
-        ("ground", chain.ground, "stiffness"),
-        ("ground damping", chain.ground_damping, "damping"),
-    ):
-        if values[node] > 0.0:
-            parts.append(f"{word} {float(values[node])!r} {units[unit]}")
-    return "  ".join(parts)
-
-
-def _spring(chain: Chain, element: int, units: dict[str, str]) -> str:
-    parts = [f"{float(chain.stiffness[element])!r} {units['stiffness']}"]
-    for word, values, unit in (
-        ("inertia", chain.distributed_inertia, f" {units['inertia']}"),
-        ("damping", chain.damping, f" {units['damping']}"),
-        ("loss", chain.loss_factor, ""),
-    ):
-        if values[element] > 0.0:
-            parts.append(f"{word} {float(values[element])!r}{unit}")
-    return "  ".join(parts)
+def _columns(first: list[str], place: int, others: Iterable[tuple[str, FloatArray, str]]) -> str:
+    """Write the first columns of a line, and those of the others that are above zero there."""
+    above_zero = (
+        f"{word} {float(values[place])!r}{unit}"
+        for word, values, unit in others
+        if values[place] > 0.0
+    )
+    return "  ".join([*first, *above_zero])
 
 
 # Sizes within which all calculations keep their digits.

@@ -1,6 +1,6 @@
 """Torsional vibration up to 120 % of rated speed, firing normally and with each cylinder failing."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,7 +36,6 @@ from crankfem.files.sections.excitation_sections import Misfire
 from crankfem.files.sections.limits_sections import LimitsInput
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.chains.chain import Chain
-from dynamics.excitation.cylinders import CylinderHarmonics
 from dynamics.indices import at_most, within, within_any
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import alternating_stress, section_modulus, varying_stiffness
@@ -147,16 +146,21 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     if run.torsional_chain.varying:
         notes.append("heat in springs that vary is calculated with their constant stiffness")
     barred = [] if run.assessment is None else run.assessment.verdict.ranges_to_bar
-    judge = _Judge(limits, damping, *_kept_and_passed(file, speeds, barred))
+    # Running speeds that may be kept, and those in ranges to be barred.
+    running = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
+    passed = within_any(speeds, barred)
+    judge = _Judge(limits, damping, running & ~passed, running & passed)
     failing: dict[str, dict[int, FiringCase]] = {}
     envelopes: dict[str, FloatArray] = {}
     normal: Series = {}
     firing = None
     ways = ((MISFIRING, True), (CUT_OUT, False))
     for way, compression in ways[1:] if file.engine.driven_by else ways:
-        cold = _cold(file, harmonics, compression, share)
-        if isinstance(cold, str):
-            notes.append(f"{way} is not calculated: {cold}")
+        misfire = Misfire(compression=compression)
+        try:
+            cold = failing_harmonics(file, harmonics, share, misfire=misfire)
+        except InputError as error:
+            notes.append(f"{way} is not calculated: {error}")
             continue
         whole = file.changed(misfire=None)
         undamped_chains = EngineChains(
@@ -184,28 +188,6 @@ def _worst_speeds(run: EngineVibration) -> list[float]:
     return [use.speed for use in uses] + [
         reached.speed for check in failing for reached in check.each.values()
     ]
-
-
-def _cold(
-    file: EngineFile,
-    firing: CylinderHarmonics,
-    compression: bool,
-    share: float,
-) -> CylinderHarmonics | str:
-    """Return the harmonics of cylinders without combustion, or why they are unknown."""
-    try:
-        return failing_harmonics(file, firing, share, misfire=Misfire(compression=compression))
-    except InputError as error:
-        return str(error)
-
-
-def _kept_and_passed(
-    file: EngineFile, speeds: FloatArray, barred: Sequence[tuple[float, float]]
-) -> tuple[Flags, Flags]:
-    """Return which running speeds may be kept, and which are in ranges to be barred."""
-    running = within(speeds, file.engine.lowest_speed, file.engine.highest_speed)
-    passed = within_any(speeds, barred)
-    return running & ~passed, running & passed
 
 
 def torsional_series(file: EngineFile, _: ChainAnswer, torsional: ChainAnswer) -> Series:
