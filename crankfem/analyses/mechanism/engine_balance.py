@@ -81,6 +81,17 @@ class EngineBalance(Result):
         speed = units.of("1/min").with_name(self.balance.speed, 6)
         where = f" about z = {about}" if kind == "moment" else ""
         y, x = ("up and down (y)", "across (x)") if kind == "force" else ("about y", "about x")
+        rows: list[list[Cell]] = []
+        for row in self.balance.rows:
+            if getattr(row, f"{kind}_balanced"):
+                rows.append([str(row.order), BALANCED_TEXT, *[""] * 5])
+                continue
+            hodograph: Hodograph = getattr(row, kind)
+            major, minor, along_y, along_x = (
+                cleared(hodograph, name) for name in ("major", "minor", "y", "x")
+            )
+            turned, sense = angle_cell(hodograph.angle_deg), SENSES[hodograph.sense]
+            rows.append([str(row.order), major, minor, turned, sense, along_y, along_x])
         return Table(
             f"Inertia {kind}s on the engine at {speed}{where}",
             [
@@ -92,17 +103,7 @@ class EngineBalance(Result):
                 Column(y, unit),
                 Column(x, unit),
             ],
-            [
-                [
-                    str(row.order),
-                    *(
-                        [BALANCED_TEXT, *[""] * 5]
-                        if getattr(row, f"{kind}_balanced")
-                        else _cells(getattr(row, kind))
-                    ),
-                ]
-                for row in self.balance.rows
-            ],
+            rows,
             main=True,
         )
 
@@ -183,15 +184,6 @@ class EngineBalance(Result):
             f'"{BALANCED_TEXT}": less than 1e-12 of all masses times R w^2. Axis of the largest value: from '
             "the vertical, in the sense of rotation."
         )
-
-
-def _cells(hodograph: Hodograph) -> list[Cell]:
-    return [
-        *(cleared(hodograph, name) for name in ("major", "minor")),
-        angle_cell(hodograph.angle_deg),
-        SENSES[hodograph.sense],
-        *(cleared(hodograph, name) for name in ("y", "x")),
-    ]
 
 
 def cleared(hodograph: Hodograph, name: str) -> float:

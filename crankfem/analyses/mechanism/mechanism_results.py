@@ -310,6 +310,18 @@ def mechanism_results(run: MechanismRun) -> MechanismResults:
         else f"Cylinders {format_names(places)}: {remark[0].lower()}{kept(remark[1:])}"
         for remark, places in whose.items()
     ]
+    crankpins = []
+    for load, group in zip(run.crankpins, pin_groups(run.layout), strict=True):
+        # From the firing top of the first rod's own cylinder.
+        firing = np.radians(run.layout.firing_deg[group[0] - 1])
+        after = (math.radians(load.maximum_angle_deg) - firing) % cycle_radians(run.layout.strokes)
+        crankpins.append(
+            replace(
+                _bearing_load(load, pins[engine_file.throws[group[0] - 1]]),
+                cylinders=group,
+                largest_angle_from_firing_deg=float(np.degrees(after)),
+            )
+        )
     assumed = set[str]().union(*(pressure.assumed for pressure in run.pressure))
     return MechanismResults(
         engine=engine_file.engine.name,
@@ -330,14 +342,7 @@ def mechanism_results(run: MechanismRun) -> MechanismResults:
         ),
         energy_error=run.torque.energy_error,
         cylinders=run.works,
-        crankpins=tuple(
-            replace(
-                _bearing_load(load, pins[engine_file.throws[group[0] - 1]]),
-                cylinders=group,
-                largest_angle_from_firing_deg=_from_firing(run, load, group),
-            )
-            for load, group in zip(run.crankpins, pin_groups(run.layout), strict=True)
-        ),
+        crankpins=tuple(crankpins),
         main_bearings=tuple(map(_bearing_load, run.bearings, journals)),
         rod_models=compare_rod_models(run),
         assumed=assumed_values(
@@ -385,14 +390,6 @@ def bearing_sizes(engine_file: EngineFile) -> tuple[list[Size], list[Size]]:
             for left, right in sides
         ],
     )
-
-
-def _from_firing(run: MechanismRun, load: LoadDiagram, group: Sequence[int]) -> float:
-    """Return the angle of the largest load from the firing top of the rod's own cylinder [deg]."""
-    after = (
-        math.radians(load.maximum_angle_deg) - np.radians(run.layout.firing_deg[group[0] - 1])
-    ) % cycle_radians(run.layout.strokes)
-    return float(np.degrees(after))
 
 
 def _bearing_load(load: LoadDiagram, size: Size) -> BearingLoad:

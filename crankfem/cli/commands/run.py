@@ -69,19 +69,19 @@ def run(
         console.print_path(str(made.report))
     else:
         verdict = verdict_line(made.results.vibration, made.results.strength)
-        from crankfem.report.summary import summary_parts, worst_tables
-
-        parts = [
-            *worst_tables(made.results.vibration, out.units),
-            *summary_parts(made.results, out.units),
-            *(
-                str(part) if isinstance(part, str) else replace(part, main=False)
-                for part in _details(made.results, out.units)
-            ),
-        ]
+        parts = _parts(made.results, out.units)
         out.show(parts, f"Report: {made.report}", out.units.written(verdict))
     if strict:
         exit_unless_acceptable(made.results.vibration)
+
+
+def _parts(results: "RunResults", units: "OutputUnits") -> Iterator[Table | str]:
+    from crankfem.report.summary import summary_parts, worst_tables
+
+    yield from worst_tables(results.vibration, units)
+    yield from summary_parts(results, units)
+    for part in _details(results, units):
+        yield str(part) if isinstance(part, str) else replace(part, main=False)
 
 
 def _details(results: "RunResults", units: "OutputUnits") -> Iterator[Table | str]:

@@ -579,26 +579,21 @@ def run_hinge(
 def _other(file: HingeFile, profile: HingeProfile, speed: float) -> OtherSpeed:
     point, wanted = file.moment(speed), file.operation.flywheel_fluctuation
     best = best_pressure(point, profile)
-    pressure = file.point_at("speed", speed).pressure
+    chosen = None
+    if (pressure := file.point_at("speed", speed).pressure) is not None:
+        hinge = profile.with_pressure(pressure)
+        try:
+            fluctuation = steady_hinge_turn(point, hinge).fluctuation
+        except InputError:  # the crank does not come round
+            fluctuation = None
+        flywheel = flywheel_for(point, wanted, hinge)
+        chosen = ChosenPressure(pressure, fluctuation, *moment_residuals(point, hinge), flywheel)
     return OtherSpeed(
         point=point,
         best=best,
         flywheel=flywheel_for(point, wanted),
         flywheel_with_hinge=flywheel_for(point, wanted, profile.with_pressure(best.pressure)),
-        chosen=None
-        if pressure is None
-        else _chosen(point, profile.with_pressure(pressure), wanted),
-    )
-
-
-def _chosen(point: HingeMoment, hinge: HingeProfile, wanted: float) -> ChosenPressure:
-    try:
-        fluctuation = steady_hinge_turn(point, hinge).fluctuation
-    except InputError:  # the crank does not come round
-        fluctuation = None
-    flywheel = flywheel_for(point, wanted, hinge)
-    return ChosenPressure(
-        hinge.spring.pressure, fluctuation, *moment_residuals(point, hinge), flywheel
+        chosen=chosen,
     )
 
 
