@@ -48,6 +48,8 @@ class Units(Protocol):
 T = TypeVar("T")
 # Around a value in a text. They are for private use in Unicode: no file and no keyboard has them.
 START, END = "\ue000", "\ue001"
+# The name of a field at the start of a remark.
+_FIELD = re.compile(r"\w+(?:\.\w+|_\w)")
 _MARK = re.compile(f"{START}([^{END}]*){END}")
 # Digits up to which two values are told apart, and with which an output unit is shown at least.
 MOST_DIGITS, LEAST_DIGITS = 6, 3
@@ -336,6 +338,18 @@ def joined(between: str, texts: Iterable[str]) -> str:
 def capital(text: str) -> str:
     """Begin a text with a capital letter, for another one."""
     return f"{kept(text)[:1].upper()}{kept(text)[1:]}"
+
+
+def sentence(text: str) -> str:
+    """Write a remark as a sentence; the name of a field keeps its small letter.
+
+    Examples
+    --------
+    >>> sentence("rod.inertia is not given")
+    'rod.inertia is not given.'
+    """
+    begun = kept(text) if _FIELD.match(kept(text)) else capital(text)
+    return f"{begun.removesuffix('.')}."
 
 
 def written(text: str, write: Callable[[Amount], str] = Amount.text) -> str:

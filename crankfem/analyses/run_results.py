@@ -1,16 +1,15 @@
-"""The results of a run, as results.json holds them, and its self-checks."""
+"""The results of a run, as results.json holds them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Annotated, Any
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
+from crankfem.analyses.findings import Finding, Grounds, findings
 from crankfem.analyses.mechanism.mechanism_results import MechanismResults
 from crankfem.analyses.mechanism.torque_harmonics import TableHarmonics
 from crankfem.analyses.provenance import Provenance, Repetition
+from crankfem.analyses.self_checks import Check, chain_checks, check, study_checks, throw_checks
 from crankfem.analyses.shaft.whole_records import ShaftBalance, ThrowsInShaft
 from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
 from crankfem.analyses.strength.engine_strength import EngineStrength
@@ -19,45 +18,11 @@ from crankfem.analyses.throw.formula_records import CompliancesOverAngle, Formul
 from crankfem.analyses.throw.stress import StressResults
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.analyses.vibration.whole_verdict import WholeVibration
 from crankfem.files.reading.toml_file import InputRecord
-from dynamics import wording
 from dynamics.critical import TwoMassCheck
 from dynamics.response.loads import LARGEST_POWER_ERROR
 from dynamics.torque import LARGEST_ENERGY_ERROR
 from fem.angle_law import SYMMETRIC
-from fem.end_reactions import EndReaction
-from fem.solver import LARGEST_ROUND_OFF, rigid_body_residual
-from regression.response_kinds import AXIAL, TORSIONAL
-
-Array = NDArray[np.float64]
-Figure = Annotated[float | None, Quantity("1")]
-
-
-@result("figure", "allowed", "met")
-class Check(Result):
-    """A self-check of a calculation.
-
-    Parameters
-    ----------
-    unit, shown_unit : str
-        "1" for a share, else a word; "%" shows a share that is more than round-off.
-    allowed : float or None
-        None where nothing is.
-    met : bool or None
-        None where the check does not judge.
-    sentence : str
-        What the figure means.
-    """
-
-    name: str
-    figure: Figure
-    unit: str
-    shown_unit: str
-    allowed: Figure
-    met: bool | None
-    sentence: str
-
 
 Optional = Part[dict[str, Any] | None]
 
@@ -143,38 +108,21 @@ class RunResults(Result):
     # What results say until the pictures are there.
     picture_note: str | None = "The run ended before its pictures were drawn."
 
-
-def unbalanced_share(
-    ends: Sequence[EndReaction], places: ArrayLike, force: ArrayLike, at: ArrayLike
-) -> float:
-    """Return the unbalanced part of the reactions to a force, relative to its size.
-
-    Parameters
-    ----------
-    ends : sequence of EndReaction
-        Of the supports on the shaft.
-    places : (ends, 3) array
-        Their positions [m].
-    force : (3,) array
-        Force on the pin [N].
-    at : (3,) array
-        Position of its resultant [m].
-
-    Returns
-    -------
-    float
-        The larger of unbalanced force / force and unbalanced moment / (force x distance of the ends).
-    """
-    places, force, at = (np.asarray(vector, dtype=float) for vector in (places, force, at))
-    forces = np.array([end.force for end in ends])
-    moments = np.array([end.moment for end in ends])
-    size = float(np.linalg.norm(force))
-    arm = float(np.linalg.norm(places[-1] - places[0]))
-    left_over = forces.sum(axis=0) + force
-    turning = moments.sum(axis=0) + np.cross(places, forces).sum(axis=0) + np.cross(at, force)
-    return max(
-        float(np.linalg.norm(left_over)) / size, float(np.linalg.norm(turning)) / (size * arm)
-    )
+    @property
+    def findings(self) -> Part[tuple[Finding, ...]]:
+        """What follows from the results, in the order in which a console tells it."""
+        return findings(
+            Grounds(
+                self.vibration,
+                self.inputs,
+                self.engine.highest_order,
+                self.input_warnings,
+                self.warned_fields,
+                self.strength,
+                self.fatigue,
+                self.checks,
+            )
+        )
 
 
 def run_checks(
@@ -184,10 +132,8 @@ def run_checks(
 
     Parameters
     ----------
-    length : float
-        Of the throw [m].
-    pin_center : (3,) sequence
-        Middle of the first pin as it is meshed, in the throw frame [m].
+    length, pin_center
+        As for `throw_checks`.
 
     Returns
     -------
@@ -199,7 +145,7 @@ def run_checks(
     if by_elements is not None and by_elements.angle_law is not None:
         pinned = results.throw.supports["pinned"].axial
         checks.append(
-            _check(
+            check(
                 "Opposite neighbors compared with pinned ends",
                 by_elements.axial_rigid_sections / pinned - 1.0,
                 "With equal webs and rigid sections, a throw between opposite cranks tilts as freely as "
@@ -210,7 +156,7 @@ def run_checks(
         )
     if fillets is not None:
         checks.append(
-            _check(
+            check(
                 "Error of the fillet stresses",
                 fillets.error_estimate,
                 "Largest estimate from successive meshes.",
@@ -219,10 +165,10 @@ def run_checks(
                 met=fillets.accuracy_met,
             )
         )
-    checks += _study_checks(results.study)
+    checks += study_checks(results.study)
     if mechanism is not None:
         checks.append(
-            _check(
+            check(
                 "Energy of the crank mechanism",
                 abs(mechanism.energy_error),
                 "Difference between the work of the torque over a cycle and the work of the gas, relative "
@@ -231,7 +177,7 @@ def run_checks(
             )
         )
     checks += [
-        _check(
+        check(
             f"Power of the {kind} vibration",
             forced.largest_power.error,
             "Power of the exciting forces compared with the heat in all damping, at speeds with bounded "
@@ -240,123 +186,4 @@ def run_checks(
         )
         for kind, forced in (results.vibration.forced_by_kind or {}).items()
     ]
-    return (*checks, *_chain_checks(results.vibration.whole_crankshaft))
-
-
-def _check(
-    name: str,
-    figure: float | None,
-    sentence: str,
-    *,
-    unit: str = "1",
-    shown_unit: str | None = None,
-    allowed: float | None = None,
-    met: bool | None = None,
-) -> Check:
-    """Make a check; without `met`, the figure is compared with the permitted one."""
-    if met is None and allowed is not None and figure is not None:
-        met = abs(figure) <= allowed
-    return Check(name, figure, unit, shown_unit or unit, allowed, met, sentence)
-
-
-def throw_checks(throw: ThrowResults, length: float, pin_center: Sequence[float]) -> list[Check]:
-    """Return the self-checks possible with the results of a throw; arguments as for `run_checks`."""
-    stiffness = throw.stiffness
-    radial = (0.0, -throw.radial_force, 0.0)
-    worst = max(
-        unbalanced_share(
-            (support.reactions.left, support.reactions.right),
-            ((0.0, 0.0, 0.0), (0.0, 0.0, length)),
-            radial,
-            pin_center,
-        )
-        for support in throw.supports.values()
-    )
-    reciprocity = throw.reciprocity
-    assert reciprocity is not None
-    return [
-        _check(
-            "Error of the axial compliance",
-            throw.error_estimate,
-            "Error left after the correction for discretization: of 100 random throws tested, 95 had a "
-            "smaller one."
-            if throw.axial_correction
-            else "Estimated from the finite-element stresses; the true compliance is larger by about this "
-            "much.",
-            shown_unit="%",
-            allowed=throw.accuracy,
-            met=throw.accuracy_met,
-        ),
-        _check(
-            "Rigid-body motions of the stiffness",
-            rigid_body_residual(stiffness, length),
-            "A rigid-body motion must cause no force: largest force found, relative to the largest "
-            "stiffness.",
-            allowed=LARGEST_ROUND_OFF,
-        ),
-        _check(
-            "Symmetry of the stiffness",
-            reciprocity.asymmetry,
-            "Reciprocity: largest difference between the stiffness from end-section forces and its "
-            "transpose, relative to the largest stiffness. The stiffness used follows from strain energies "
-            "and is always symmetric.",
-            allowed=LARGEST_ROUND_OFF,
-        ),
-        _check(
-            "Equilibrium of the reactions",
-            worst,
-            "Residual of the forces and moments at both ends and the radial force at the middle of the "
-            "meshed pin, for pinned and guided ends.",
-            allowed=LARGEST_ROUND_OFF,
-        ),
-        _check(
-            "Axial reaction by reciprocity",
-            reciprocity.axial_reaction,
-            "Difference, relative to Z, between the axial reaction of the held ends to a radial force Z on "
-            "the pin and c Z / e_n, with c from the motion of the pin when the ends are moved.",
-            allowed=LARGEST_ROUND_OFF,
-        ),
-        _check(
-            "Elements mended",
-            throw.mended_elements,
-            "Elements turned inside out by the curved surface; all were straightened.",
-            unit="elements",
-        ),
-    ]
-
-
-def _study_checks(study: FittedStudy | None) -> list[Check]:
-    chosen = {
-        name.removesuffix("_compliance"): fits.selected()
-        for name, fits in ({} if study is None else study.fits).items()
-        if name in (AXIAL, TORSIONAL)
-    }
-    return [
-        _check(
-            f"Error of the {kind} regression",
-            fit.largest_heldout_error,
-            f"Largest error of the chosen form ({fit.form}) at held-out designs.",
-            shown_unit="%",
-        )
-        for kind, fit in chosen.items()
-    ]
-
-
-def _chain_checks(whole: WholeVibration | None) -> list[Check]:
-    chain_checks = []
-    for kind, chain in ({} if whole is None else whole.comparison.chains).items():
-        first = chain.modes[0] if chain.modes else None
-        shaft = None if first is None else first.shaft_frequency
-        figure = None if first is None or shaft is None else first.chain_frequency / shaft - 1.0
-        chain_checks.append(
-            _check(
-                f"The {kind} chain compared with the whole crankshaft",
-                figure,
-                f"First {kind} frequency of the chain compared with that of the whole crankshaft. "
-                + (wording.ADEQUATE if chain.suffices else wording.INADEQUATE),
-                shown_unit="%",
-                # Frequencies, shares of the energy and amplitudes decide together.
-                met=chain.suffices,
-            )
-        )
-    return chain_checks
+    return (*checks, *chain_checks(results.vibration.whole_crankshaft))

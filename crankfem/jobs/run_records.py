@@ -15,8 +15,8 @@ from crankfem.analyses.run_results import (
     NamedThrow,
     RunResults,
     run_checks,
-    throw_checks,
 )
+from crankfem.analyses.self_checks import throw_checks
 from crankfem.analyses.shaft.sources import RESPONSES, throw_lookup
 from crankfem.analyses.shaft.whole_records import shaft_balance, throws_in_shaft
 from crankfem.analyses.study.fit_records import fitted_study

@@ -8,15 +8,9 @@ import numpy as np
 
 from crankbase.quantity import format_usage, significant
 from crankbase.sentences import amount, finished, joined, kept, listed
-from crankbase.table import SI, Column, Main, OutputUnits, Table
-from crankfem.analyses.record import Record
-from crankfem.analyses.vibration.assessment import Assessment, factor_range
-from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.analyses.vibration.tables import CriticalLine, critical_lines, speed_table
-from crankfem.files.engine.mechanism_cylinders import order_named
-from crankfem.report.conclusions import (
+from crankbase.table import SI, Column, OutputUnits, Table
+from crankfem.analyses.findings import (
     DIGITS,
-    findings,
     headline,
     main_findings,
     misfiring_decides,
@@ -24,6 +18,11 @@ from crankfem.report.conclusions import (
     speed_shown,
     too_weak,
 )
+from crankfem.analyses.record import Record
+from crankfem.analyses.vibration.assessment import Assessment, factor_range
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.tables import CriticalLine, critical_lines, speed_table
+from crankfem.files.engine.mechanism_cylinders import order_named
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.engine.layout import repeating_intervals
@@ -58,7 +57,7 @@ def summary(results: "RunResults") -> Record:
         assessment is None or assessment.verdict.status != "not acceptable"
     )
     by_section: dict[str, list[str]] = {}
-    for finding in findings(results):
+    for finding in results.findings:
         if finding.long:
             text = finished(joined(" ", finding.long))
             by_section.setdefault(finding.section, []).append(text)
@@ -71,7 +70,7 @@ def summary(results: "RunResults") -> Record:
             *(("misfiring_stress",) if by_misfiring else ()),
             *("deciding", "torsional_stress", "torsional_campbell"),
         ),
-        "findings": main_findings(results),
+        "findings": main_findings(results.findings),
         "found": by_section,
         "limits": [] if assessment is None else worst_of_each(assessment.verdict.checks),
         "frequencies": [_frequency(vibration, kind) for kind in KINDS],
@@ -388,15 +387,6 @@ def worst_of_each(checks: Iterable[LimitCheck]) -> list[WorstPlace]:
             above = None
         places.append(WorstPlace(worst, passed, above, place))
     return places
-
-
-def summary_parts(results: "RunResults", units: OutputUnits = SI) -> Iterator[Main]:
-    """Return what follows from the results of a run, and what the engine is, in one line."""
-    for finding in findings(results):
-        if finding.long and finding.section != "checks":
-            first, *further = (units.written(text, DIGITS) for text in finding.long)
-            yield Main(f"- {first}", *further)
-    yield Main(units.written(f"{results.engine.name}: {joined('; ', engine_facts(results))}."))
 
 
 # Critical speeds of each kind; --full and the report show more.

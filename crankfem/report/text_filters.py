@@ -20,13 +20,12 @@ from crankbase.quantity import (
     significant,
     tiny,
 )
-from crankbase.sentences import capital, has_values, joined, kept, written
+from crankbase.sentences import capital, has_values, joined, kept, sentence, written
 from crankbase.table import Table
 from crankfem.analyses.shaft.chains import MOTION
 
 if TYPE_CHECKING:
     from crankfem.analyses.mechanism.mechanism_results import BearingLoad
-    from crankfem.analyses.run_results import Check
 
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {
@@ -37,7 +36,6 @@ SOURCE_WORDS = {
 }
 # How books print units, each in one piece.
 SYMBOLS = {"um": "\N{MICRO SIGN}m", "m^2": "m²", "m^3": "m³", " ": "\N{NO-BREAK SPACE}"}
-FIELD = re.compile(r"\w+(?:\.\w+|_\w)")
 TABLE_DIGITS = 3
 DECIMALS = re.compile(r"(?<![\w.])(?P<whole>\d+)\.(?P<decimals>\d+)(?!\d| %)")
 # Loads that differ by a smaller share are alike.
@@ -67,19 +65,6 @@ def motion(value: float | None, kind: str, digits: int = 3) -> str:
 def source_label(name: str) -> str:
     """Label the source of compliances."""
     return SOURCE_WORDS.get(name, name)
-
-
-def sentence(text: str) -> str:
-    """Write a remark as a sentence; the name of a field keeps its small letter.
-
-    Examples
-    --------
-    >>> sentence("rod.inertia is not given")
-    'rod.inertia is not given.'
-    """
-    text = kept(text)
-    first = text[:1] if FIELD.match(text) else text[:1].upper()
-    return f"{first}{text[1:].removesuffix('.')}."
 
 
 def moment(text: str) -> str:
@@ -117,28 +102,6 @@ def duration(seconds: float) -> str:
     if whole < HOUR:
         return f"{whole // 60} min {whole % 60} s"
     return f"{whole // 3600} h {whole % 3600 // 60} min"
-
-
-def check_value_text(check: "Check") -> str:
-    """Write the value of a self-check."""
-    return _figure(check.figure, check.shown_unit)
-
-
-def check_limit_text(check: "Check") -> str:
-    """Write the limit of a self-check."""
-    if check.allowed is None:
-        return "not bounded" if check.met is None else "by its criteria"
-    return f"at most {_figure(check.allowed, check.shown_unit)}"
-
-
-def _figure(value: float | None, unit: str) -> str:
-    if value is None:
-        return "none"
-    if unit == "%":
-        return f"{percent(value)} %"
-    if unit == "1":
-        return tiny(value)
-    return f"{value:g} {unit}".strip()
 
 
 def loaded_most(bearings: Sequence["BearingLoad"]) -> list["BearingLoad"]:
@@ -232,8 +195,6 @@ FILTERS = {
     "signs": lambda text: text.replace(" * ", " · ").replace(" - ", " − "),
     "moment": moment,
     "duration": duration,
-    "check_figure": check_value_text,
-    "check_allowed": check_limit_text,
     "loaded_most": loaded_most,
     # A bar can be no longer than full.
     "bar": lambda share: min(1.0, share) if math.isfinite(share) else 1.0,

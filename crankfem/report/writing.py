@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from crankbase.outputs import recording_run_files, write_text
+from crankfem.analyses.findings import reached_and_permitted
 from crankfem.analyses.mechanism.torque_harmonics import harmonics_table
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.strength.cycle_fatigue import fatigue_table
@@ -27,7 +28,6 @@ from crankfem.analyses.vibration.tables import (
     whole_table,
 )
 from crankfem.files.engine.mechanism_cylinders import order_named
-from crankfem.report.conclusions import reached_and_permitted
 from crankfem.report.engine_schematic import engine_schematic
 from crankfem.report.figures import PLOTS, Figure, load_figures, packed
 from crankfem.report.summary import summary

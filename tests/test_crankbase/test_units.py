@@ -11,6 +11,7 @@ from importlib import import_module
 import pytest
 
 import crankfem.files
+import crankfem.satellites
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
@@ -339,8 +340,9 @@ def _kinds(record=InputModel):
 
 @pytest.mark.slow
 def test_each_kind_of_field_is_here():
-    for module in pkgutil.walk_packages(crankfem.files.__path__, "crankfem.files."):
-        import_module(module.name)
+    for package in (crankfem.files, crankfem.satellites):
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            import_module(module.name)
     assert {*_kinds()} - {None, ""} == {*VALUES}
     assert len(ALL) > 60
 

@@ -11,6 +11,12 @@ import pytest
 from comparing import close
 from crankbase.results import contents
 from crankbase.table import parse_output_units
+from crankfem.analyses.findings import (
+    failed_checks,
+    headline,
+    main_findings,
+    verdict_line,
+)
 from crankfem.analyses.vibration.assessment import Assessment, engine_decision, factor_range
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict
 from crankfem.analyses.vibration.misfiring import FiringCheck, Reached
@@ -18,7 +24,6 @@ from crankfem.analyses.vibration.modes import Vibration
 from crankfem.analyses.vibration.tables import (
     assessment_parts,
     critical_lines,
-    judgment,
     misfiring_table,
     resonance_table,
     speed_table,
@@ -26,13 +31,6 @@ from crankfem.analyses.vibration.tables import (
 from crankfem.cli import console
 from crankfem.cli.commands.run import _parts
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.report.conclusions import (
-    conclusions,
-    failed_checks,
-    headline,
-    main_findings,
-    verdict_line,
-)
 from crankfem.report.summary import engine_facts, summary, uncertain_sentence, worst_of_each
 from crankfem.report.text_filters import loaded_most
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
@@ -126,6 +124,13 @@ def numbers_within(record):
         yield abs(float(record))
 
 
+def conclusions(results):
+    """Findings in full, but for those about checks."""
+    return [
+        " ".join(each.long) for each in results.findings if each.long and each.section != "checks"
+    ]
+
+
 def test_every_number_concluded_is_one_of_the_record(results):
     assessment, inputs = results["vibration"]["assessment"], results["inputs"]
     worst = assessment["checks"][0]
@@ -174,7 +179,7 @@ def test_what_stands_on_the_first_screen_is_short(results):
     none = with_parts(results, part(1.5, 22e6, "forced"), part(6.0, 3e6, "near resonance", 2))
     barred = none["vibration"]["assessment"]["barred"]
     barred += [barred[0] | {"allowed": True, "refusals": []}, barred[0]]
-    found = main_findings(typed(none))
+    found = main_findings(typed(none).findings)
     assert [finding.about for finding, _ in found] == ["Why", "What helps", "Assumed"]
     assert max(len(text.split()) for _, text in found) <= 30
 
@@ -896,9 +901,9 @@ def test_what_decides_stands_before_the_verdict_with_the_values_assumed(record):
         "sentence": "acceptable with this: give that",
         "trials": [],
     }
-    (shown,) = judgment(Assessment.from_record(record))
-    assert shown.lead == f"Verdict: {VERDICTS['undecided']}: acceptable with this: give that."
-    assert shown.endswith("With the values used, fine.")
+    first, *further = Assessment.from_record(record).conclusions
+    assert first == f"{VERDICTS['undecided']}: acceptable with this: give that."
+    assert further == ["With the values used, fine."]
 
 
 def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record):
@@ -907,8 +912,7 @@ def test_a_verdict_that_only_its_barred_ranges_hang_on_says_so(record):
         "sentence": "no speeds need be barred with this",
         "trials": [],
     }
-    (shown,) = judgment(Assessment.from_record(record))
-    assert shown.lead == "Verdict: Fine."
-    assert shown.endswith(
-        "It depends on assumed or uncertain values: no speeds need be barred with this."
+    assert Assessment.from_record(record).conclusions == (
+        "Fine.",
+        "It depends on assumed or uncertain values: no speeds need be barred with this.",
     )

@@ -22,7 +22,8 @@ from crankbase.input_file import InputFile
 from crankbase.quantity import RPM
 from crankbase.sentences import amount
 from crankfem.analyses.provenance import provenance, repetition, run_command, used_files
-from crankfem.analyses.run_results import run_checks, unbalanced_share
+from crankfem.analyses.run_results import run_checks
+from crankfem.analyses.self_checks import unbalanced_share
 from crankfem.analyses.throw.formula_records import Regression, compared_compliances
 from crankfem.analyses.throw.throw_record import ThrowResults
 from crankfem.analyses.vibration.forced import ForcedVibration
@@ -30,7 +31,6 @@ from crankfem.files.reading.data_files import data_folder
 from crankfem.report import text_filters
 from crankfem.report.figures import load_figures, packed
 from crankfem.report.summary import summary
-from crankfem.report.text_filters import check_value_text
 from crankfem.report.writing import render_report, script, write_report
 from fem.solver import asymmetry, rigid_body_residual
 from fem.supports import EndReaction
@@ -864,4 +864,4 @@ def test_where_vibration_is_unbounded_at_all_speeds_its_power_is_not_judged(chec
     results["vibration"]["forced"]["axial"]["power"]["error"] = None
     found = checks_of(results)["Power of the axial vibration"]
     assert (found.figure, found.met) == (None, None)
-    assert check_value_text(found) == "none"
+    assert found.figure_text == "none"

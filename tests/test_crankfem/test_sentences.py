@@ -7,6 +7,12 @@ import pytest
 from crankbase.errors import InputError
 from crankbase.sentences import END, START, Sentence
 from crankbase.table import Table, parse_output_units
+from crankfem.analyses.findings import (
+    finding_parts,
+    main_findings,
+    verdict_line,
+    vibration_findings,
+)
 from crankfem.analyses.mechanism.mechanism_results import mechanism_details
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.throw.stress import stress_results
@@ -15,7 +21,6 @@ from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.analyses.vibration.tables import assessment_parts, vibration_parts
 from crankfem.files.engine.engine_file import load_engine, load_mechanism
-from crankfem.report.conclusions import main_findings, verdict_line
 from crankfem.report.summary import worst_tables
 from crankfem.report.text_filters import printed
 from plain_values import texts_with_plain_values
@@ -49,7 +54,7 @@ def test_other_units_leave_a_cited_source_as_it_is():
 def test_the_first_screen_neither_shortens_nor_cuts_a_source(source):
     results = with_source(source)
     # Two statements of more weight leave room for the one about what is assumed.
-    stated = [printed(text) for _, text in main_findings(typed(results))]
+    stated = [printed(text) for _, text in main_findings(typed(results).findings)]
     assert any(f"is assumed ({source}): give the maker's." in text for text in stated)
 
 
@@ -65,11 +70,14 @@ def refuse(name):
 def test_every_value_of_a_run_stays_a_value(engine, monkeypatch):
     for name in ("__format__", "upper", "capitalize", "replace", "partition", "split", "strip"):
         monkeypatch.setattr(Sentence, name, refuse(name))
-    run = engine_vibration(load_engine(engine), coupled=True)
+    file = load_engine(engine)
+    run = engine_vibration(file, coupled=True)
+    findings = vibration_findings(run, file)
     read = EngineVibration.from_record(json.loads(json.dumps(run.to_record())))
-    for results in (run, read):
+    for results in (run, read, *findings):
         assert [*texts_with_plain_values(results)] == []
-    for part in (*vibration_parts(run, IMPERIAL), *worst_tables(run, IMPERIAL), verdict_line(run)):
+    shown = [*vibration_parts(run, IMPERIAL), *worst_tables(run, IMPERIAL), verdict_line(run)]
+    for part in (*shown, *finding_parts(findings, IMPERIAL)):
         texts = [part]
         if isinstance(part, Table):
             texts = [part.title, part.note, *(cell for row in part.texts(IMPERIAL) for cell in row)]

@@ -12,6 +12,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
+from crankfem.analyses.findings import verdict_line
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
 from crankfem.analyses.vibration.engine_limits import engine_limits, engine_verdict, limit_findings
@@ -23,7 +24,6 @@ from crankfem.analyses.vibration.tables import (
     speed_table,
 )
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.report.conclusions import verdict_line
 from crankfem.report.summary import _finished, _first_frequencies, _worst_critical
 
 FILE = Path(__file__).parents[2] / "data/engines/vw-tdi.toml"

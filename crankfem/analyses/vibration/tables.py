@@ -37,7 +37,7 @@ CHAINS_ALONE = (
 
 
 def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[Table | str]:
-    """Return all tables and paragraphs, the verdict last; critical speeds only where nothing is forced."""
+    """Return all tables and paragraphs; critical speeds only where nothing is forced."""
 
     def notes(remarks: Sequence[str]) -> Iterator[str]:
         return (units.written(f"Note: {kept(remark)}") for remark in remarks)
@@ -77,9 +77,6 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
         yield from whole_parts(whole, units)
     if run.bearings is not None:
         yield from map(units.written, run.bearings.sentences)
-    if count := len(run.assumed):
-        counted = "1 value is" if count == 1 else f"{count} values are"
-        yield Main(f"{counted} assumed, not given; crankfem check lists them with their reasons.")
     if run.assessment is None:
         yield Main(NOT_FORCED)
         return
@@ -94,9 +91,6 @@ def vibration_parts(run: EngineVibration, units: OutputUnits = SI) -> Iterator[T
     if whole is None:
         yield from notes([f"{CHAINS_USED}; {kept(run.not_comparable or CHAINS_ALONE)}"])
     yield from range_sentences(run.assessment, units)
-    yield from judgment(run.assessment, units)
-    if misfiring is not None:
-        yield Main(units.written(f"Misfiring: {kept(misfiring.sentence)}"))
 
 
 def assessment_parts(assessment: Assessment, units: OutputUnits = SI) -> Iterator[Table | str]:
@@ -123,20 +117,7 @@ def assessment_parts(assessment: Assessment, units: OutputUnits = SI) -> Iterato
 def range_sentences(assessment: Assessment, units: OutputUnits = SI) -> Iterator[str]:
     """Return ranges of speed that are barred or passed, and what makes their ends."""
     for passed in assessment.verdict.deciding_first:
-        # The verdict has the reasons of those that cannot be accepted.
-        text = (
-            f"{kept(passed.sentence)}."
-            if passed.allowed
-            else wording.barring(passed.low, passed.high, passed.position, allowed=False)
-        )
-        yield Main(units.written(f"Range {text}"), units.written(f"Its ends: {kept(passed.ends)}."))
-
-
-def judgment(assessment: Assessment, units: OutputUnits = SI) -> Iterator[Main]:
-    """Return the conclusion with its reasons, and how sure it is."""
-    first, *further = map(units.written, assessment.conclusions)
-    yield Main(f"Verdict: {first}", *further)
-    yield from (Main(units.written(text)) for text in assessment.all_beside)
+        yield units.written(f"Range {kept(passed.sentence)}. Its ends: {kept(passed.ends)}.")
 
 
 def resonance_table(forced: ForcedVibration, units: OutputUnits = SI) -> Table:

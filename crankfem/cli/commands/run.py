@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankbase.errors import InputError
-from crankbase.table import Table
+from crankbase.table import Main, Table
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
@@ -43,9 +43,9 @@ def run(
 
     With --quiet only the path of the report is printed.
     """
+    from crankfem.analyses.findings import verdict_line
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_computation import RunInputs, read_inputs
-    from crankfem.report.conclusions import verdict_line
 
     source: str | RunInputs = engine
     if strict or model is not None:
@@ -76,10 +76,13 @@ def run(
 
 
 def _parts(results: "RunResults", units: "OutputUnits") -> Iterator[Table | str]:
-    from crankfem.report.summary import summary_parts, worst_tables
+    from crankbase.sentences import joined
+    from crankfem.analyses.findings import finding_parts
+    from crankfem.report.summary import engine_facts, worst_tables
 
     yield from worst_tables(results.vibration, units)
-    yield from summary_parts(results, units)
+    yield from finding_parts(results.findings, units)
+    yield Main(units.written(f"{results.engine.name}: {joined('; ', engine_facts(results))}."))
     for part in _details(results, units):
         yield str(part) if isinstance(part, str) else replace(part, main=False)
 

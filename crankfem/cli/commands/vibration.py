@@ -87,6 +87,7 @@ def vibration(
     from crankbase.outputs import protect
     from crankbase.results import units as result_units
     from crankfem.analyses.engine_mechanism import engine_inputs, input_warnings
+    from crankfem.analyses.findings import finding_parts, verdict_line, vibration_findings
     from crankfem.analyses.shaft.chains import MOTION
     from crankfem.analyses.shaft.sources import with_model
     from crankfem.analyses.vibration.axial_cycle import axial_cycle_columns
@@ -96,7 +97,6 @@ def vibration(
     from crankfem.cli.console import write_columns
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.jobs.outputs import make_output_folder
-    from crankfem.report.conclusions import verdict_line
     from crankfem.report.summary import worst_tables
 
     if run_up is not None:
@@ -149,7 +149,10 @@ def vibration(
     if out.json:
         from crankfem.analyses.record import with_units
 
-        record = with_units(run) | {"files": [str(path) for path in written]}
+        record = with_units(run) | {
+            "findings": [finding.to_record() for finding in vibration_findings(run, read)],
+            "files": [str(path) for path in written],
+        }
         if speed_up is not None:
             record["run_up"] = speed_up.to_record()
             record["units"] |= result_units(speed_up, "run_up.")
@@ -161,6 +164,7 @@ def vibration(
         asked = [] if speed_up is None else [*speed_up.parts(out.units)]
         asked += [] if changes is None else [*changes.parts()]
         parts = [*asked, *worst_tables(run, out.units), *vibration_parts(run, out.units)]
+        parts += finding_parts(vibration_findings(run, read), out.units)
         files = (("Tables", csv, tables), ("Pictures", pictures, drawn))
         written_to = [
             f"{kind}: {folder} ({sum(path.parent == made for path in written)} files)"

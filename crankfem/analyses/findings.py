@@ -1,22 +1,24 @@
 """What a run concludes, in a few sentences: what is reached, why, what may be barred, and what to do."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.quantity import format_usage, percent
-from crankbase.sentences import amount, apart, finished, joined, kept
+from crankbase.results import Result, result
+from crankbase.sentences import amount, apart, finished, joined, kept, sentence
+from crankbase.table import SI, Main, OutputUnits
+from crankfem.analyses.assumptions import input_values
+from crankfem.analyses.self_checks import Check
 from crankfem.analyses.shaft.chains import MOTION
+from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
+from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.report.text_filters import (
-    check_limit_text,
-    check_value_text,
-    sentence,
-)
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.reading.toml_file import InputRecord
 from dynamics.assessment.limits import LimitUse
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.indices import within
@@ -29,17 +31,13 @@ from dynamics.wording import (
     shares_of_peak,
 )
 
-if TYPE_CHECKING:
-    from crankfem.analyses.run_results import Check, RunResults
-    from crankfem.analyses.strength.engine_strength import EngineStrength
-
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
 DIGITS = 3
 
 
-def headline(vibration: EngineVibration, strength: "EngineStrength | None" = None) -> str:
+def headline(vibration: EngineVibration, strength: EngineStrength | None = None) -> str:
     """Return the verdict of a run in a few words."""
     words = _of_vibration(vibration)
     if too_weak(strength) and verdict_status(vibration) != "not acceptable":
@@ -55,7 +53,7 @@ def verdict_status(vibration: EngineVibration) -> str:
     return "undecided" if assessment.undecided else assessment.verdict.status
 
 
-def too_weak(strength: "EngineStrength | None") -> bool:
+def too_weak(strength: EngineStrength | None) -> bool:
     """Whether the crankshaft's strength was judged, and is less than required."""
     return strength is not None and strength.passed is False
 
@@ -97,7 +95,7 @@ def misfiring_decides(vibration: EngineVibration) -> bool:
     return assessment.verdict.status != "not acceptable" or assessment.undecided
 
 
-def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" = None) -> str:
+def verdict_line(vibration: EngineVibration, strength: EngineStrength | None = None) -> str:
     """Return the verdict of a run in one line: the headline, and the limit that decides."""
     assessment = vibration.assessment
     if assessment is None:
@@ -120,7 +118,31 @@ MOST_FINDINGS, MOST_RANGES = 3, 2
 
 
 @dataclass(frozen=True)
-class Finding:
+class Grounds:
+    """What findings follow from: vibration, and of a whole run its strength and self-checks besides.
+
+    Attributes
+    ----------
+    inputs : tuple of InputRecord
+        All that was read or assumed.
+    highest_order : float
+        Of those calculated.
+    warnings, warned_fields : tuple of str
+        About the input, and the fields that they are about.
+    """
+
+    vibration: EngineVibration
+    inputs: tuple[InputRecord, ...]
+    highest_order: float
+    warnings: tuple[str, ...] = ()
+    warned_fields: tuple[str, ...] = ()
+    strength: EngineStrength | None = None
+    fatigue: EngineFatigue | None = None
+    checks: tuple[Check, ...] = ()
+
+
+@result("about", "section")
+class Finding(Result):
     """What follows from the results of a run.
 
     Attributes
@@ -148,55 +170,62 @@ class Finding:
     rests_on: tuple[str, ...] = ()
 
 
-def conclusions(results: "RunResults") -> list[str]:
-    """Return `findings` in full, but for those about checks."""
-    found = [finding for finding in findings(results) if finding.long]
-    return [finished(joined(" ", each.long)) for each in found if each.section != "checks"]
+def vibration_findings(vibration: EngineVibration, file: EngineFile) -> tuple[Finding, ...]:
+    """Return the findings of an engine's vibration that was calculated alone; see `findings`."""
+    return findings(Grounds(vibration, input_values(file), file.vibration.highest_order))
 
 
-def main_findings(results: "RunResults") -> list[tuple[Finding, str]]:
+def main_findings(all_findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
     """Return the main statements in short, each with its finding, the one that counts most first."""
-    ranked = sorted(findings(results), key=lambda finding: -finding.weight)
+    ranked = sorted(all_findings, key=lambda finding: -finding.weight)
     return [(finding, text) for finding in ranked for text in finding.short][:MOST_FINDINGS]
 
 
-def findings(results: "RunResults") -> list[Finding]:
-    """Return what follows from the results of a run.
+def finding_parts(all_findings: Iterable[Finding], units: OutputUnits = SI) -> Iterator[Main]:
+    """Return findings in full for a console, but for those about checks."""
+    for finding in all_findings:
+        if finding.long and finding.section != "checks":
+            first, *further = (units.written(text, DIGITS) for text in finding.long)
+            yield Main(f"- {first}", *further)
+
+
+def findings(grounds: Grounds) -> tuple[Finding, ...]:
+    """Return what follows from the results of a run, or of a vibration.
 
     Every number of a finding is one of the results, or follows from them as the finding says.
 
     Returns
     -------
-    list of Finding
+    tuple of Finding
         What looks wrong in the input, what is reached of the limit that decides and where, how the whole
         crankshaft differs, which orders make it, what can help and which speeds may be barred, what
         misfiring does, what decides by assumption and should be given (before the limits if the verdict is
         undecided), what the models leave open, whether the crankshaft is strong enough, and which checks
         fail.
     """
-    assessment = results.vibration.assessment
-    found = [] if assessment is None else _of_assessment(results, assessment)
-    made = [*_warned(results), *(_without_forces(results) if assessment is None else found)]
-    return [
-        replace(finding, long=_finished(finding.long), short=_finished(finding.short))
+    assessment = grounds.vibration.assessment
+    found = [] if assessment is None else _of_assessment(grounds, assessment)
+    made = [*_warned(grounds), *(_without_forces(grounds) if assessment is None else found)]
+    return tuple(
+        replace(
+            finding,
+            long=tuple(filter(None, finding.long)),
+            short=tuple(filter(None, finding.short)),
+        )
         for finding in made
         if any(finding.long + finding.short)
-    ]
+    )
 
 
-def _finished(texts: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(finished(kept(text)) for text in texts if text)
-
-
-def _of_assessment(results: "RunResults", assessment: Assessment) -> list[Finding]:
+def _of_assessment(grounds: Grounds, assessment: Assessment) -> list[Finding]:
     """Return what follows from an assessment; what decides comes first."""
-    check, strength = assessment.verdict.deciding, results.strength
+    check, strength = assessment.verdict.deciding, grounds.strength
     place = (limit_at(check.limit.name, check.place),)
-    failed, wrong = failed_checks(results.checks), _calculation_fails(results.checks)
-    names = tuple(check.name for check in results.checks if check.met is False)
-    strong = tuple(own.sentence for own in (strength, results.fatigue) if own)
+    failed, wrong = failed_checks(grounds.checks), _calculation_fails(grounds.checks)
+    names = tuple(check.name for check in grounds.checks if check.met is False)
+    strong = tuple(own.sentence for own in (strength, grounds.fatigue) if own)
     weak = (strength.sentence,) if strength is not None and too_weak(strength) else ()
-    remedy = _remedy(results, check)
+    remedy = _remedy(grounds, check)
     helps = (
         *([remedy.sentence] if remedy else []),
         *(f"{kept(span.sentence)}." for span in assessment.verdict.deciding_first),
@@ -205,21 +234,21 @@ def _of_assessment(results: "RunResults", assessment: Assessment) -> list[Findin
         "Assumed",
         "inputs",
         2,
-        (*_assumed(results, assessment), *_counted(results)),
-        _assumed(results, assessment, reasons=1),
+        (*_assumed(grounds, assessment), *_counted(grounds)),
+        _assumed(grounds, assessment, reasons=1),
         tuple(dict.fromkeys(trial.field for trial in assessment.decision.trials)),
     )
-    misfiring = results.vibration.misfiring
-    misfires = results.vibration.misfiring_note if misfiring is None else misfiring.sentence
+    misfiring = grounds.vibration.misfiring
+    misfires = grounds.vibration.misfiring_note if misfiring is None else misfiring.sentence
     return [
         *([assumed] if assessment.undecided else []),
         Finding("Limits", "limits", 0, (_reached(assessment),), (), place),
-        Finding("Whole crankshaft", "whole", 0, _by_whole(results.vibration, assessment)),
+        Finding("Whole crankshaft", "whole", 0, _by_whole(grounds.vibration, assessment)),
         Finding("Why", "limits", 5, (_cause(assessment),), (_main_cause(assessment),), place),
-        Finding("What helps", "limits", 4, helps, (_measures(results, assessment),), place),
+        Finding("What helps", "limits", 4, helps, (_measures(grounds, assessment),), place),
         Finding("Misfiring", "limits", 0, (sentence(misfires) if misfires else "",)),
         *([] if assessment.undecided else [assumed]),
-        Finding("Models", "whole", 0, _other_models(results.vibration, assessment)),
+        Finding("Models", "whole", 0, _other_models(grounds.vibration, assessment)),
         Finding("Strength", "strength", 6, strong, weak, ("strength",)),
         Finding("Checks", "checks", 7 if wrong else 1, (failed,), (failed,), names),
     ]
@@ -234,15 +263,15 @@ def _main_cause(assessment: Assessment) -> str:
     return shares_of_peak(check.worst_speed, check.cause.main_shares[:2])
 
 
-def _measures(results: "RunResults", assessment: Assessment) -> str:
+def _measures(grounds: Grounds, assessment: Assessment) -> str:
     """State in short what can be done where a limit is exceeded."""
-    verdict, misfiring = assessment.verdict, results.vibration.misfiring
+    verdict, misfiring = assessment.verdict, grounds.vibration.misfiring
     told = [
         barring(span.low, span.high, span.position, span.allowed)
         for span in verdict.deciding_first
         if span.position == "running" or not span.allowed
     ][:MOST_RANGES]
-    remedy = _remedy(results, verdict.deciding)
+    remedy = _remedy(grounds, verdict.deciding)
     if remedy is not None:
         told.append(remedy.short)
     elif misfiring is not None and not misfiring.passed:
@@ -301,13 +330,13 @@ def _share(use: LimitUse, unit: str, passing: bool = False) -> str:
 
 
 def _assumed(
-    results: "RunResults", assessment: Assessment, reasons: int | None = None
+    grounds: Grounds, assessment: Assessment, reasons: int | None = None
 ) -> tuple[str, ...]:
     """State what decides by assumption, which limits are assumed, what is not judged, and the load.
 
     `reasons` is how many of those that decide are stated.
     """
-    vibration = results.vibration
+    vibration = grounds.vibration
     decision = joined("; ", assessment.decision.reasons[:reasons])
     if decision and misfiring_decides(vibration):
         decision = f"with all cylinders firing, {decision}"
@@ -319,7 +348,7 @@ def _assumed(
     ]
     if not _axial_judged(assessment):
         statements.append(
-            f"Axial vibration{_axial_amplitude(results)} is not judged: give limits.axial_amplitude or "
+            f"Axial vibration{_axial_amplitude(grounds)} is not judged: give limits.axial_amplitude or "
             "limits.axial_force."
         )
     if vibration.load is not None and not vibration.load.rated.consistent:
@@ -327,23 +356,22 @@ def _assumed(
     return tuple(statements)
 
 
-def _counted(results: "RunResults") -> tuple[str, ...]:
+def _counted(grounds: Grounds) -> tuple[str, ...]:
     """State how many inputs are assumed, if any."""
-    count = sum(record.assumed for record in results.inputs)
-    return (f"{count} of {len(results.inputs)} inputs are assumed.",) if count else ()
+    count = sum(record.assumed for record in grounds.inputs)
+    return (f"{count} of {len(grounds.inputs)} inputs are assumed.",) if count else ()
 
 
 def _axial_judged(assessment: Assessment) -> bool:
     return any(limit.kind == "axial" for limit in assessment.judged_limits)
 
 
-def _axial_amplitude(results: "RunResults") -> str:
+def _axial_amplitude(grounds: Grounds) -> str:
     """Tell the largest axial amplitude of the free end at running speeds, where it was calculated."""
-    forced = results.vibration.forced_of("axial")
+    forced = grounds.vibration.forced_of("axial")
     if forced is None:
         return ""
-    engine = results.engine
-    inside = within(forced.speeds, engine.lowest_speed, engine.highest_speed)
+    inside = within(forced.speeds, *grounds.vibration.running_range)
     if not np.any(inside):
         return ""
     reached = forced.free_end_motion.synthesis[inside]
@@ -353,7 +381,7 @@ def _axial_amplitude(results: "RunResults") -> str:
     return f" ({amplitude} at the free end at {speed_shown(float(forced.speeds[inside][worst]))})"
 
 
-def failed_checks(checks: Sequence["Check"]) -> str:
+def failed_checks(checks: Sequence[Check]) -> str:
     """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold."""
     judged = [check for check in checks if check.met is not None]
     failed = [check for check in judged if not check.met]
@@ -370,14 +398,14 @@ def failed_checks(checks: Sequence["Check"]) -> str:
         + (
             ""
             if check.allowed is None
-            else f", {check_value_text(check)} (allowed: {check_limit_text(check)})"
+            else f", {check.figure_text} (allowed: {check.allowed_text})"
         )
         for check in failed
     ]
     return f"{told} {'; '.join(named)}."
 
 
-def _calculation_fails(checks: Sequence["Check"]) -> bool:
+def _calculation_fails(checks: Sequence[Check]) -> bool:
     """Whether a check of the calculation itself fails: one with an allowed figure."""
     return any(check.met is False and check.allowed is not None for check in checks)
 
@@ -470,7 +498,7 @@ class Remedy:
         )
 
 
-def _remedy(results: "RunResults", worst: LimitCheck) -> Remedy | None:
+def _remedy(grounds: Grounds, worst: LimitCheck) -> Remedy | None:
     """Return whether more damping can help where the limit that decides is exceeded.
 
     What the orders away from resonance make at the instant of the peak, their sum reaches at least; so where
@@ -489,13 +517,13 @@ def _remedy(results: "RunResults", worst: LimitCheck) -> Remedy | None:
     modes = sorted({(part.kind, part.mode) for part in resonant if part.contribution > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     enough = left.value <= worst.permitted
-    undamped, speed = _undamped(modes, results), speed_shown(worst.worst_speed)
+    undamped, speed = _undamped(modes, grounds), speed_shown(worst.worst_speed)
     return Remedy(together, rest, permitted, enough, named, undamped, speed)
 
 
-def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:
+def _undamped(modes: Sequence[tuple[str, int]], grounds: Grounds) -> str:
     """Remark that there is no torsional damper, where a torsional mode is at resonance."""
-    fields = [record.field.partition(".")[0] for record in results.inputs]
+    fields = [record.field.partition(".")[0] for record in grounds.inputs]
     if "torsional_damper" in fields or "shaft_line" in fields:
         return ""
     return (
@@ -503,35 +531,33 @@ def _undamped(modes: Sequence[tuple[str, int]], results: "RunResults") -> str:
     )
 
 
-def _warned(results: "RunResults") -> list[Finding]:
+def _warned(grounds: Grounds) -> list[Finding]:
     """Name the input that looks wrong, and state how formulas were used as sources."""
-    warnings = results.input_warnings
-    chains = (results.vibration.axial, results.vibration.torsional)
-    statements = [sentence(chain.formula_note) for chain in chains if chain.formula_note]
-    fields = results.warned_fields
-    if warnings:
-        noun = "1 warning" if len(warnings) == 1 else f"{len(warnings)} warnings"
+    made, count, fields = [], len(grounds.warnings), grounds.warned_fields
+    if count:
+        noun = "1 warning" if count == 1 else f"{count} warnings"
         about = f" about {', '.join(fields)}" if fields else ""
-        checked = f"Check the input: {noun}{about}"
-        statements.insert(0, f"{checked} (report: Inputs and assumptions).")
-    return [Finding("Input", "inputs", 3, (text,), (text,), fields) for text in statements]
+        made.append((f"Check the input: {noun}{about} (report: Inputs and assumptions).", fields))
+    chains = (grounds.vibration.axial, grounds.vibration.torsional)
+    made += [(sentence(chain.formula_note), ()) for chain in chains if chain.formula_note]
+    return [Finding("Input", "inputs", 3, (text,), (text,), on) for text, on in made]
 
 
-def _without_forces(results: "RunResults") -> list[Finding]:
-    engine, vibration = results.engine, results.vibration
+def _without_forces(grounds: Grounds) -> list[Finding]:
+    vibration = grounds.vibration
     count = len(vibration.axial.criticals) + len(vibration.torsional.criticals)
     one = count == 1
     calculated = (
         "Amplitudes and stresses are not calculated, so nothing can be compared with limits.",
     )
     counted = (
-        f"{count} critical speed{'' if one else 's'} of orders up to {engine.highest_order:g} "
+        f"{count} critical speed{'' if one else 's'} of orders up to {grounds.highest_order:g} "
         f"{'is' if one else 'are'} in the running range.",
     )
     wanted = ("Add a section [gas] to the engine file to define the excitation.",)
     return [
         Finding("Why", "inputs", 0, calculated, calculated, ("gas",)),
         Finding("Critical speeds", "campbell", 2, counted, counted),
-        Finding("Assumed", "inputs", 0, _counted(results)),
+        Finding("Assumed", "inputs", 0, _counted(grounds)),
         Finding("What helps", "inputs", 1, wanted, wanted, ("gas",)),
     ]
