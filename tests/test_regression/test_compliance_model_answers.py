@@ -8,7 +8,6 @@ import itertools
 import math
 import pickle
 import re
-import warnings
 from functools import partial
 
 import numpy as np
@@ -20,7 +19,7 @@ from comparing import close
 from refusals import refused
 from regression.fits.fits import fit_form
 from regression.fits.forms import FittedForm, polynomial_terms
-from regression.models.angle import between, fold_angle
+from regression.models.angle import between
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.models.response_query import PIECE, OutsideRangeWarning, compile_equation
@@ -207,11 +206,6 @@ def test_limits_of_the_angle_law(model, kind):
     assert many[0] == close(model.value(kind, gamma_deg=120.0, **MIDDLE), rel=1e-14)
 
 
-def test_a_ratio_of_one_makes_the_law_linear_in_the_cosine():
-    gamma = np.linspace(0.0, 180.0, 7)
-    assert between(gamma, 1.0, 3.0, 1.0) == close(2.0 - 1.0 * np.cos(np.deg2rad(gamma)), rel=1e-12)
-
-
 def test_band_between_neighbors_covers_the_bands_of_its_parts(model):
     found = model.lookup("axial_compliance", gamma_deg=120.0, **MIDDLE)
     parts = [
@@ -311,13 +305,6 @@ def test_unequal_webs_make_the_angle_law_an_interpolation(model, throw, ranges, 
     assert own.lookup("axial_compliance", **MIDDLE).remarks == ()
 
 
-def test_fold_angle():
-    angles = np.array([0.0, 90.0, 180.0, 181.0, 270.0, 360.0, -30.0, 725.0])
-    folded = [0.0, 90.0, 180.0, 179.0, 90.0, 0.0, 30.0, 5.0]
-    assert fold_angle(angles) == close(folded)
-    assert [fold_angle(float(angle)) for angle in angles] == close(folded)
-
-
 # --------------------------------------------------------------------------------------- equations
 
 
@@ -366,10 +353,3 @@ def test_copies_and_processes_answer_alike(model):
         update={"responses": {"axial_compliance": model.responses["axial_compliance_in_line"]}}
     )
     assert changed.axial_compliance(**MIDDLE) == model.value("axial_compliance_in_line", **MIDDLE)
-
-
-def test_no_warning_from_numpy(model):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        model.axial_compliance(gamma_deg=[0.0, 180.0], **MIDDLE)
-        model.lookup("axial_compliance", gamma_deg=0.0, **MIDDLE)

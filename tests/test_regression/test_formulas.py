@@ -27,7 +27,6 @@ from regression.formulas.case import (
     round_inertia,
 )
 from regression.formulas.torsional_formulas import torsional_formulas
-from regression.response_kinds import fold_angle_deg
 
 
 def throw_of_mm(R, D_km, D_shm, L_km, L_shm, B, h):
@@ -111,13 +110,6 @@ def test_angle_is_folded(gamma):
         folded = axial_formulas(MEDIUM_SPEED, same)
         for name, value in straight.items():
             assert folded[name].value == close(value.value, rel=1e-9, abs=1e-22), name
-
-
-def test_fold_of_240_is_120():
-    assert fold_angle_deg(240.0) == 120.0
-    assert fold_angle_deg(-240.0) == 120.0
-    assert fold_angle_deg(720.0) == 0.0
-    assert axial_formulas(MEDIUM_SPEED, 240.0) == axial_formulas(MEDIUM_SPEED, 120.0)
 
 
 def test_draminsky_2_is_refused_at_small_angles():

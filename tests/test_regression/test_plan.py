@@ -21,7 +21,6 @@ from regression.plans.designs import SPACE_FILLING, DesignChoice
 from regression.plans.factors import Factor, rounded, throw_fields, unknown_field
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, RUN
-from regression.runs.store import ResultStore
 from throws import MEDIUM_SPEED
 
 THROW = FILLETED
@@ -317,14 +316,6 @@ def test_a_plan_comes_back_from_its_record(plan):
     assert again == plan
     assert again.key == plan.key
     assert again.names == plan.names
-
-
-def test_a_plan_comes_back_from_a_store(tmp_path):
-    with ResultStore(tmp_path / "runs.sqlite") as store:
-        store.register_study(PLAN.key, PLAN.as_record(), [])
-        stored = StudyPlan.from_record(store.studies()[PLAN.key])
-    assert stored.key == PLAN.key
-    assert plan_designs(stored) == plan_designs(PLAN)
 
 
 PLAIN = MEDIUM_SPEED | {"fillet_radius": 0.0}
