@@ -1,6 +1,7 @@
 """Critical speeds, their peaks and causes."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -70,6 +71,7 @@ def test_a_mode_that_creeps_is_none():
         (2.0, 1, False),
     ]
     assert np.isnan(found[0].mode_frequency)
+    assert "954.9 1/min" in found[0].sentence
 
 
 def test_at_speeds_that_hold_all_that_are_looked_at():
@@ -156,6 +158,7 @@ def test_peaks_of_the_forces_are_no_resonances():
     assert (own.in_band, other.in_band) == (True, False)
     assert own.speed == close(100.0, rel=2e-3)
     assert other.speed == close(130.0, rel=2e-2)
+    assert "forces" in other.sentence
 
 
 def test_what_is_asked_for():
@@ -171,7 +174,7 @@ def test_what_is_asked_for():
     assert every[0].speed_rpm == close(every[0].speed * 30.0 / np.pi)
 
 
-test_refused = refusals_of(
+test_options_refused = refusals_of(
     lambda options: damped_criticals(response(damped(ROW)), **options),
     ({"elements": [0], "node": 0}, "node"),
     ({"elements": [2]}, "elements"),
@@ -208,6 +211,7 @@ def test_an_order_at_resonance_and_one_far_from_it():
     assert slow.contribution + fast.contribution == close(found.amplitude, rel=1e-12)
     assert found.share("at resonance") == close(fast.contribution / found.amplitude)
     assert found.resonant == (fast,)
+    assert found.sentence.index("order 6") < found.sentence.index("order 1,")
 
 
 @pytest.mark.parametrize(
@@ -264,7 +268,19 @@ def test_of_orders_at_one_resonance_the_largest_comes_first():
 
 
 def test_unbounded():
-    assert np.isinf(cause({1.0: 100.0, 2.0: 10.0}, NATURAL / 2.0, None).amplitude)
+    found = cause({1.0: 100.0, 2.0: 10.0}, NATURAL / 2.0, None)
+    assert np.isinf(found.amplitude)
+    assert re.findall(r"\d", found.reasons) == ["2", "1"]
+    assert "unbounded" in found.sentence
+
+
+def test_small_orders_are_told_together_and_runs_end_at_orders_that_are_told_elsewhere():
+    amplitudes = {0.5 * number: 10.0 for number in range(1, 7)} | {9.0: 0.05, 3.5: 0.01, 4.0: 1e-4}
+    assert "0.5 to 3," in cause(amplitudes, 0.01 * NATURAL).sentence
+    amplitudes = {1.0: 100.0, 2.0: 100.0, 3.0: 100.0, 4.0: 30.0, 5.0: 300.0, 6.0: 600.0, 7.0: 900.0}
+    found = cause(amplitudes, NATURAL / 4.0)
+    assert found.parts[3].state == "at resonance"
+    assert "2 and 5 to 7," in found.reasons
 
 
 def test_forces_that_another_vibration_brings():

@@ -202,6 +202,7 @@ def test_two_masses_are_the_shortest_chain_and_figures_belong_together():
     assert two_mass_frequency(stiffness, 2.0, 0.3) == close(modes.angular_frequencies[1])
     check = two_mass_check(**SHAFT, order=6.0)
     assert check.resolved is None
+    assert "order 6" in check.statement
     assert check.resonant_speed * 6.0 == close(check.angular_frequency)
     assert check.resonant_speed_rpm == close(check.resonant_speed * 30.0 / math.pi)
     assert check.vibrations_per_minute == close(60.0 * check.frequency)

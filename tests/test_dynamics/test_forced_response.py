@@ -530,8 +530,9 @@ def test_checks_speak_of_running_speeds_first():
     assert check.running.permitted == close(21e6)
     assert check.above.value == 60e6
     assert check.above.speed > 100.0
-    # What decides the status stays the worst of all that is judged.
+    # What decides the status stays the worst of all that is judged, and is told first.
     assert check.worst_value == 60e6
+    assert check.sentence.index("231 %") < check.sentence.index("47.6 %")
     assert worst_use(limit, check.curve, 0.0, 39.9).value == 80e6
 
 

@@ -143,6 +143,7 @@ def test_critical_ranges_tell_what_the_nominal_value_hides():
     assert found.nominal_margin == close(100.0 / 88.0 - 1.0)
     assert found.margin == close(90.0 / 88.0 - 1.0)
     assert not found.kept()
+    assert "859.4 to 1042 1/min" in found.sentence
     assert critical_ranges(chain, [], [1.0], (50.0, 60.0)) == ()
 
 

@@ -32,6 +32,7 @@ from dynamics.response.linear_system import damped
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
+from dynamics.wording import speed_text
 from refusals import refusals, refusals_of
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
@@ -50,14 +51,18 @@ def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
     assert verdict.status == "fine"
     assert verdict.checks[0].limit is TORQUE
     assert verdict.checks[0].margin == close(0.05)
+    figures = ("286.5 to 954.9", "1900 N m", "573 1/min", "95 %", "2000 N m", "sheet 7")
+    assert all(figure in verdict.sentence for figure in figures)
 
 
-# Above what may be passed, above the share of the rated speed, without bounds.
-@pytest.mark.parametrize("curve", [peak(50.0, 80e6), peak(90.0, 30e6), peak(50.0, np.inf)])
-def test_not_acceptable(curve):
+@pytest.mark.parametrize(
+    ("curve", "figure"),
+    [(peak(50.0, 80e6), "78 MPa"), (peak(90.0, 30e6), "0.80"), (peak(50.0, np.inf), "unbounded")],
+)
+def test_not_acceptable(curve, figure):
     verdict = judge([(CRANKSHAFT, curve)], RUNNING, RULE)
     assert verdict.status == "not acceptable"
-    assert not verdict.barred[0].allowed
+    assert figure in verdict.sentence
 
 
 def test_unbounded_without_a_limit_for_passing_is_not_acceptable():
@@ -83,6 +88,7 @@ def test_a_range_below_the_lowest_speed_is_not_judged_at_full_load():
     assert verdict.status == "fine"
     (below,) = verdict.started_through
     assert below.refusals == ()
+    assert "full load" in below.sentence
     # What reaches into the running range is judged.
     (into,) = judge([(CRANKSHAFT, peak(30.0, 200e6))], RUNNING, RULE, full_load=True).barred
     assert not into.allowed
@@ -115,12 +121,14 @@ def test_the_worst_is_the_worst_at_running_speeds_with_its_own_place_and_speed()
     assert RUNNING[0] <= worst.worst_speed <= RUNNING[1]
     assert worst.permitted == CRANKSHAFT.continuous.at(np.array([worst.worst_speed]))[0]
     assert verdict.checks[0].curve.name == "a"
+    assert all(use in verdict.sentence for use in (f"b: {worst.use}", verdict.checks[0].use))
     # Where nothing is exceeded at running speeds, what is above them decides.
     findings = [(CRANKSHAFT, curve("a", 6e6, 90e6)), (CRANKSHAFT, curve("b", 7e6, 1e6))]
     kept = judge(findings, RUNNING, RULE)
     assert kept.deciding.curve is kept.checks[0].curve
     assert kept.deciding.worst_speed == kept.checks[0].worst_speed
     assert kept.deciding.curve.name == "a"
+    assert kept.checks[0].use in kept.sentence
 
 
 def other(name, at, height):
@@ -202,6 +210,7 @@ def test_a_range_that_reaches_into_the_running_range_is_barred():
     (barred,) = verdict.barred
     # Nothing is barred below the running range; there it is passed on every start.
     assert barred.low == RUNNING[0] < barred.high
+    assert speed_text(RULE.bounds(30.0)[0]) in barred.ends
 
 
 def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
@@ -451,11 +460,14 @@ def test_what_exceeds_a_limit_above_the_running_range_is_not_called_barred():
     (above,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 100.0))
     assert above.position == "above"
     assert not above.allowed
+    assert "120 %" in above.sentence
     # Where running speeds reach into it, it can be barred or not.
     (across,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 110.0))
     assert across.position == "running"
+    assert "barred" in across.sentence
     (below,) = barred_ranges([(rule_end, curve)], RULE, (114.0, 119.0))
     assert below.position == "below"
+    assert "start" in below.sentence
 
 
 def test_a_range_that_leaves_no_speed_to_run_at_is_refused():
