@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from concluded import CHANGES, concluded_otherwise
 from crankfem.jobs.pipeline import RunResult
 from crankfem.report.writing import write_report
 from printed_text import page_words
@@ -82,6 +83,13 @@ def test_printed_of_a_stored_run(screens, compare, monkeypatch):
 def test_words_of_its_report(compare, tmp_path):
     path = write_report(typed(stored_results()), tmp_path, tmp_path / "report.html")
     compare("report", page_words(path.read_text(encoding="utf-8")))
+
+
+@pytest.mark.slow
+def test_concluded(compare):
+    """Sentences of the first screen and the verdict, of stored results changed in many ways."""
+    lines = [line for name in CHANGES for line in (f"# {name}", *concluded_otherwise(name))]
+    compare("concluded", "\n".join(lines))
 
 
 @pytest.mark.further
