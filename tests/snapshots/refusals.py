@@ -1,11 +1,16 @@
 """Bad inputs by door, whose refusals are kept: what is changed in a shipped file, a file, a command line."""
 
+from pathlib import Path
+
 from crankfem.files.reading.data_files import input_path
+from snapshots.cases import STUDY
 from test_crankfem.conftest import edited
 
 SHIPPED = input_path("6chn25-34")
+UNEQUAL = Path(__file__).parents[1] / "data" / "unequal-three.toml"
 # Of engine files: the shipped one, and fields set or removed (None), or words replaced by others.
 LIMITED = '[[limits.elements]]\nelement = "a - b"\n'
+RUBBER = '[torsional_damper]\nkind = "rubber"\nring_inertia = "4 kg m^2"\n'
 SIX = (
     {"throw.pin_length": "139"},
     {"rod.mass": '{ value = 56, assumed = "usual" }'},
@@ -63,6 +68,12 @@ SIX = (
     {"engine.strokes": '"4"'},
     {"engine.firing_order": "[1, 2, 3, 4, 5, 6]"},
     {"gas.mean_effective_pressure": '"9 MPa"'},
+    {"[gas]\n": '[torsional_damper]\nkind = "viscous"\nring_inertia = "4 kg m^2"\n\n[gas]\n'},
+    {"[gas]\n": RUBBER + 'stiffness = "0 N m/rad"\nloss_factor = 0.1\n[gas]\n'},
+    {"[gas]\n": "[misfire]\ncylinders = [7]\n\n[gas]\n"},
+    {"[gas]\n": '[shaft_line]\naxial = "mwm-six"\n\n[gas]\n'},
+    {"[gas]\n": '[damping]\ntorsional_magnifier = "much"\n\n[gas]\n'},
+    {"[gas]\n": "[limits]\naxial_amplitude = 0.4\n\n[gas]\n"},
     {"gas.peak_pressure": '"85 MPa"'},
     {"[gas]\n": '[gas]\npressure_table = "x.csv"\n'},
     {"gas.peak_pressure": None, "gas.compression_ratio": "13.0"},
@@ -168,6 +179,54 @@ WARNED = {
     ),
     "6s50mc-c": ({'"9480 kW"': '"5 MW"'},),
 }
+
+WIDTH = 'web_width = ["270 mm", "300 mm", "330 mm"]'
+
+
+def study(head="", factors=WIDTH, tail=""):
+    return f"[study]\n{head}\n[study.factors]\n{factors}\n{tail}\n"
+
+
+# Sections on a study, behind a throw.
+STUDIES = (
+    study("helt_out = 8"),
+    study('design = "taguchi"'),
+    study("design = 3"),
+    study("held_out = 0"),
+    study('design = "fractional factorial"\ngenerators = 3'),
+    study("seed = -1"),
+    study("accuracy = 1"),
+    study('runs = "with slope"'),
+    study('form = "spline"'),
+    study('stresses = "yes"'),
+    study('constraints = "a < b"'),
+    study("constraints = [3]"),
+    study("runs = 20"),
+    study('design = "box-behnken"\nface = "faced"'),
+    study('design = "fractional factorial"\nresolution = "IV"\ngenerators = "a b c ab"'),
+    study('design = "file"'),
+    study('design = "sobol"'),
+    study('resolution = "IV"'),
+    study('file = "a.csv"'),
+    "[study]\nfactors = 3\n",
+    "[study]\nrelations = 3\n",
+    "[study]\n",
+    study(factors="web_width = 0.3"),
+    study(factors='web_width = "300 mm"'),
+    study(factors="web_width = [270, 300]"),
+    study(factors='web_width = ["270 kg", "1 m"]'),
+    study(factors='web_width = ["270 mm"]'),
+    study(factors="web_width = {}"),
+    study(factors='web_width = { from = "270 mm" }'),
+    study(factors='web_width = { from = 270, to = "300 mm" }'),
+    study(factors='web_width = { from = "1 m", step = 3 }'),
+    study(factors='web_width = { from = "270 mm", to = "300 mm", spacing = "log" }'),
+    study(factors='web_with = ["270 mm", "300 mm"]'),
+    study(factors=f'{WIDTH}\nweb_outline = "obround"'),
+    study(tail='[study.relations]\npin_length = "2 * web_with"'),
+    study(tail="[study.relations]\npin_length = true"),
+    study('constraints = ["web_width > 1 m"]'),
+)
 
 # Texts that are no TOML, or none that can be used.
 TEXTS = (
@@ -311,6 +370,79 @@ COMMANDS = (
     "export 6chn25-34 half.inp --calculix --part half",
     "stress 6chn25-34 --pictures prose.step",
     "vibration silent.toml --strict",
+    "harmonics yamz5340_torque_one_throw.csv --orders 9.5",
+    "harmonics yamz5340_torque_one_throw.csv --orders 0",
+    "harmonics yamz5340_torque_one_throw.csv --orders 0.4",
+    "harmonics 6chn25-34 --orders 0.4",
+    "harmonics yamz5340_torque_one_throw.csv --cylinder 1",
+    "harmonics yamz5340_torque_one_throw.csv --speed '100 1/min'",
+    "harmonics 6chn25-34 --speed 100",
+    "harmonics 6chn25-34 --orders 361",
+    "harmonics 6chn25-34 --cylinder 7",
+    "harmonics 6chn25-34 --strokes 2",
+    "harmonics yamz5340_torque_one_throw.csv --firing-order 1-3-3",
+    "harmonics yamz5340_torque_one_throw.csv --firing-angles '0, 90'",
+    "harmonics yamz5340_torque_one_throw.csv --firing-angles '0 m'",
+    "harmonics yamz5340_torque_one_throw.csv --firing-order 1 --firing-angles '0 deg'",
+    "harmonics 6chn25-34 --firing-order 1",
+    "harmonics nowhere.toml",
+    "harmonics no-such-engine",
+    "harmonics yamz5340_torque_one_throw.csv --csv nowhere/h.csv",
+    "two-mass 6chn25-34",
+    "two-mass yamz-5340 --order nan",
+    "two-mass bare.toml",
+    "doe study.toml --time-limit 300",
+    "doe study.toml --time-limit '3 m'",
+    "doe study.toml --time-limit '0 s'",
+    "doe study.toml --memory-limit 4",
+    "doe study.toml --memory-limit '4 MB'",
+    "doe study.toml --more -1",
+    "results none.sqlite runs.xlsx",
+    "results none.sqlite none/a.csv",
+    "results none.sqlite a.csv",
+    "import study.toml none.csv",
+    "designs study.toml out --mesh stl",
+    "verify none.sqlite",
+    "draw 6chn25-34 --output a.gif",
+    "draw 6chn25-34 --picture a.jpg",
+    "draw 6chn25-34 --shaft a",
+    "draw 6chn25-34 --output no/a.svg",
+    "formulas",
+    "formulas 6chn25-34 --all",
+    "formulas --all --published",
+    "formulas --published --gamma 180",
+    "formulas --published --variant printed",
+    "formulas --published --constant k_n=2",
+    "formulas --published --no-fe",
+    "formulas 6chn25-34 --gamma nan",
+    "formulas --all --no-fe",
+    "formulas 6chn25-34 --constant k_9=1",
+    "formulas 6chn25-34 --constant k_3=one",
+    "formulas 6chn25-34 --constant k_3=nan",
+    "formulas 6chn25-34 --constant k_3",
+    "mechanism 6chn25-34 --speed 1000",
+    "mechanism 6chn25-34 --speed '0 1/min'",
+    "mechanism 6chn25-34 --speed '4.99 1/min'",
+    "mechanism 6chn25-34 --speed '30001 1/min'",
+    "mechanism 6chn25-34 --speed '3 m'",
+    "mechanism 6chn25-34 --model stiff",
+    "mechanism 6chn25-34 --model rigid --model rigid",
+    "mechanism 6chn25-34 --model stiff --model rigid",
+    "mechanism 6chn25-34 --csv /no/such/folder/x.csv",
+    "throw unequal-three.toml --throw third",
+    "throw yamz-5340 --throw a",
+    "throw part.step --throw a",
+    "formulas --all --throw a",
+    "export unequal-three.toml shaft.step --shaft --throw plain",
+    "check 6chn25-34 --units parsek",
+    "check 6chn25-34 --units 'in, mm'",
+    "check 6chn25-34 --units 'in,, lbf'",
+    "check 6chn25-34 --units 'W kg'",
+    "check 6chn25-34 --units ton",
+    "check 6chn25-34 --units degC",
+    "check 6chn25-34 --units '1e3 in'",
+    "mechanism 8chn14-14",
+    "draw 6chn25-34 --output a.png --picture a.png",
     "lookup empty.toml",
     "harmonics results.json",
     "mechanism vw-tdi --speed 1500 1/min",
@@ -345,6 +477,9 @@ COMMANDS = (
     "check nested.toml",
 )
 FILES = {
+    "study.toml": STUDY.encode(),
+    "unequal-three.toml": UNEQUAL.read_bytes(),
+    "bare.toml": b'[two_mass_check]\nshaft_diameter = 70\nshaft_length = "0.2 m"\n',
     "silent.toml": edited(SHIPPED.read_text("utf-8"), {"[gas]": None}).encode(),
     "results.json": b'{"about": {}}',
     "store.toml": b"SQLite format 3\0" + bytes(100),
@@ -363,6 +498,35 @@ FILES = {
     "nested.toml": b"a = " + b"[" * 50_000,
 }
 
+# Sections on strength that cannot be, beside what each gives.
+FORGED = {"tensile_strength": "800 MPa", "manufacture": "free-form forged", "piston": "trunk"}
+STRENGTHS = (
+    {"manufacture": "forged"},
+    {"piston": "opposed"},
+    {"tensile_strength": "80 MPa"},
+    {"axial_vibration": "calculated"},
+    {"oil_hole_angle": "30 deg"},
+    {"hardening": {"process": "nitriding", "depth": "0.5 mm", "surface_hardness": 500}},
+    {
+        "hardening": {
+            "process": "induction",
+            "depth": "3 mm",
+            "surface_hardness": 500,
+            "places": ["journal fillet"],
+        }
+    },
+    {
+        "shrink_fit": {
+            "shrink_diameter": "0.7 m",
+            "shrink_length": "0.3 m",
+            "web_diameter": "0.6 m",
+            "fillet_radius": "20 mm",
+            "web_yield": "300 MPa",
+            "journal_yield": "300 MPa",
+        }
+    },
+    {"shrink_fit": {"shrink_diameter": "0.7 m", "friction": 0.3}},
+)
 # Values of calls: points of a load, and a map of the gas.
 AT_200 = {"speed": 20.9, "mean_effective_pressure": 3e5}
 AT_515 = {"speed": 53.95, "mean_effective_pressure": 13e5}
@@ -416,6 +580,7 @@ CALLS = (
     'run_mechanism("vw-tdi")',
     "load_any(None)",
     'load_any(["vw-tdi"])',
+    *(f"StrengthSection.from_text({FORGED | given})" for given in STRENGTHS),
     'LimitsInput.from_text({"crankshaft_rule": "DNV"}, "limits")',
     'LimitsInput.from_text({"crankshaft_rule": "KR main engine"}, "limits")',
     'LimitsInput.from_text({"coupling_torque_passing": "3 N m"}, "limits")',

@@ -18,6 +18,7 @@ from crankfem.analyses.vibration.run import engine_vibration  # noqa: F401
 from crankfem.files.chain.chain_file import load_chain, write_chain_text  # noqa: F401
 from crankfem.files.engine.engine_file import load_mechanism  # noqa: F401
 from crankfem.files.engine.file_kinds import SECTIONS
+from crankfem.files.engine.throw_file import load_study
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.files.sections.mechanism_sections import Piston  # noqa: F401
@@ -29,8 +30,9 @@ from geometry.throw_dimensions import Counterweight  # noqa: F401
 from regression.formulas.axial_formulas import axial_formulas  # noqa: F401
 from regression.law.throw_law import torsional_law  # noqa: F401
 from snapshots import refusals
-from snapshots.refusals import CALLS, CHAINS, COMMANDS, ENGINES, FILES, TEXTS, WARNED
+from snapshots.refusals import CALLS, CHAINS, COMMANDS, ENGINES, FILES, STUDIES, TEXTS, WARNED
 from test_crankfem.conftest import edited
+from throws import MEDIUM_SPEED_TOML
 
 
 def refused(call, what=""):
@@ -78,6 +80,14 @@ def test_engine_files_are_warned_of(compare, tmp_path):
             assert said, changes
             text += f"{name}: {changes}\n{''.join(said)}"
     compare("warned-engines", text)
+
+
+def test_studies_are_refused(compare, tmp_path):
+    text, path = "", tmp_path / "mine.toml"
+    for content in STUDIES:
+        path.write_text(f"{MEDIUM_SPEED_TOML}\n{content}", encoding="utf-8")
+        text += f"{content}{refused(lambda: load_study(path).planned)}"
+    compare("refused-studies", text)
 
 
 def test_texts_are_refused(compare, tmp_path):

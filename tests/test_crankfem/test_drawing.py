@@ -300,21 +300,3 @@ def test_draw_tells_the_files_as_json(call, tmp_path, monkeypatch):
     assert answer.json()["files"] == ["a.pdf", "b.png", "c.png"]
     assert pictured == {"throw": close(0.170), "shaft": 6}
     assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
-
-
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        (("--output", "a.gif"), "a.gif: given the ending '.gif'; allowed for a drawing are .svg, "),
-        (("--picture", "a.jpg"), "a.jpg: given the ending '.jpg'; allowed for a picture is .png."),
-        (("--shaft", "a"), "a: given the ending ''; allowed for a picture is .png."),
-        (("--output", "no/a.svg"), "no/a.svg: cannot be written; there is no folder no."),
-    ],
-)
-def test_draw_refuses_what_it_cannot_write(call, tmp_path, options, sentence):
-    answer = call("draw", "6chn25-34", *options)
-    assert answer.code == 2
-    assert sentence in answer.err
-    assert answer.err.startswith("Error: ")
-    assert len(answer.err.splitlines()) == 1
-    assert list(tmp_path.iterdir()) == []

@@ -17,7 +17,7 @@ from crankbase.quantity import parse_quantity
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.shaft.chains import engine_throw_inertias
-from crankfem.analyses.vibration.engine_limits import engine_limits, rule_of
+from crankfem.analyses.vibration.engine_limits import rule_of
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.engine.file_kinds import SECTIONS
@@ -300,7 +300,6 @@ def test_a_strength_beyond_the_rule_stays_as_given_and_is_told(engine, rule):
     strong = engine.changed(limits=given | rule)
     refuse_what_cannot_run(strong)
     assert strong.limits.tensile_strength == 850e6
-    assert "850 MPa enters the rule as 835" in engine_limits(strong)[0]["crankshaft_stress"].remark
 
 
 @pytest.mark.parametrize(

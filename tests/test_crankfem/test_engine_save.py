@@ -170,11 +170,11 @@ def test_files_of_others_are_not_replaced(tmp_path):
 def test_what_a_file_cannot_hold_is_refused(tmp_path):
     engine, path = cf.load_engine("5rt-flex50d"), tmp_path / "mine.toml"
     lines = {"torsional": cf.Chain([1.0, 2.0], [3e6])}
-    with pytest.raises(InputError, match="shaft_lines: given a change that a file cannot hold"):
+    with pytest.raises(InputError, match=r"shaft_lines: "):
         dataclasses.replace(engine, shaft_lines=lines).save(path)
     six = cf.load_engine("6chn25-34")
     study = dataclasses.replace(six.study, held_out=3)
-    with pytest.raises(InputError, match="study: given a change that a file cannot hold"):
+    with pytest.raises(InputError, match=r"study: "):
         dataclasses.replace(six, study=study).save(path)
     assert not path.exists()
     assert "study" not in tomllib.loads(

@@ -69,30 +69,6 @@ def test_other_readings(call):
         assert content["left_out"] == []
 
 
-@pytest.mark.parametrize(
-    ("arguments", "fragment"),
-    [
-        ((), "give one of ENGINE.toml, --all and --published."),
-        (("6chn25-34", "--all"), "give one of ENGINE.toml, --all and --published."),
-        (("--all", "--published"), "give one of ENGINE.toml, --all and --published."),
-        (("--published", "--gamma", "180"), "--gamma: given together with --published"),
-        (("--published", "--variant", "printed"), "--variant: given together with --published"),
-        (("--published", "--constant", "k_n=2"), "--constant: given together with --published"),
-        (("--published", "--no-fe"), "--no-fe: given together with --published"),
-        (("6chn25-34", "--gamma", "nan"), "--gamma: given nan; allowed is a finite angle"),
-        (("--all", "--no-fe"), "--no-fe: given together with --all"),
-        (("6chn25-34", "--constant", "k_9=1"), "constants: given 'k_9'; allowed are C, k_3"),
-        (("6chn25-34", "--constant", "k_3=one"), "constant k_3: given 'one'"),
-        (("6chn25-34", "--constant", "k_3=nan"), "constant k_3: given nan"),
-        (("6chn25-34", "--constant", "k_3"), "k_3: given without a value; write name=value, like"),
-    ],
-)
-def test_refuses(call, arguments, fragment):
-    answer = call("formulas", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert fragment in answer.err
-
-
 def test_all_engines_in_one_table(call, monkeypatch, analysis):
     monkeypatch.setattr(data_files, "shipped_names", lambda _: ("6chn25-34", "6chn25-34"))
     monkeypatch.setattr(formula_records, "analyze_throw", lambda *_, **__: analysis)
@@ -166,7 +142,6 @@ def test_one_throw_beside_finite_elements(call, monkeypatch, analysis):
     assert content["fe"]["axial"] == close(expected, rel=1e-12)
     out = call("formulas", "6chn25-34", "--gamma", "120", "--full").out
     assert "the 4 formulas that apply give" in out
-    assert "Finite elements over the angle: e(gamma) = e_0" in out
     assert "finite elements: neighbors at 120 deg" in out
 
 

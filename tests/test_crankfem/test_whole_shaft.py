@@ -336,7 +336,6 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
     (said,) = whole_shaft_remark(ShaftComparison(None, other, mixed))
     assert "Hz is only 48 % torsional; axial mode 1 at 115.0 instead of" in said
-    assert said.startswith("The verdict uses lumped models (chains), which are inadequate here;")
     divided = FlywheelTilt("axial", 1, 259.8, 303.5, 225.9)
     assert divided.sentence == "axial mode 1 from 259.8 Hz without to 225.9 and 303.5 Hz with it"
     (match,) = other.modes
@@ -428,7 +427,6 @@ def test_what_an_adequate_chain_exceeds_is_not_acceptable_by_the_whole_crankshaf
     assert found.status == "not acceptable"
     assert found.checks[0].curve is force
     said = whole_sentence(found, SimpleNamespace(checks=found.checks[:1], status=found.status))
-    assert "torsional stress of crankshaft" in said.partition(";")[0]
     assert f"same limits ({limit.name} by the axial chain alone): " in said
     assert f'the same verdict, "not acceptable" ({found.barred[0].sentence}).' in said
 
@@ -444,7 +442,6 @@ def test_verdicts_that_differ_leave_it_undecided(verdict_six):
         found = decision_by_both(decided, whole, chains)
         assert found.status == "undecided"
         assert found.sentence.startswith(said)
-    assert 'with the values used, the same verdict, "not acceptable"' in whole_sentence(bad, other)
     assert 'another verdict, "fine"' in whole_sentence(fine, bad)
     assert "100 MPa at" in whole_sentence(bad, other)
 
