@@ -47,12 +47,8 @@ def test_millimetres_are_the_number_that_python_writes(number):
 @pytest.mark.parametrize(
     ("text", "per_second"),
     [
-        ("500 1/min", 500.0 / 60.0),
-        ("500 rpm", 500.0 / 60.0),
-        ("500 rev/min", 500.0 / 60.0),
-        ("8 Hz", 8.0),
-        ("8 1/s", 8.0),
-        ("8 cycle/s", 8.0),
+        *((text, 500.0 / 60.0) for text in ("500 1/min", "500 rpm", "500 rev/min")),
+        *((text, 8.0) for text in ("8 Hz", "8 1/s", "8 cycle/s")),
         ("30 deg/s", 30.0 / 360.0),
         ("100 gon/s", 0.25),
         ("5400 arcmin/s", 0.25),
@@ -113,15 +109,9 @@ def test_shown_lengths_read_back(length):
 @pytest.mark.parametrize(
     "text",
     [
-        "320 mm*10**99999999",
-        "1 m**9**9**9",
-        "1 h^99999999",
-        "1 h⁹⁹⁹⁹⁹⁹⁹⁹",
-        "1 (((((h^9)^9)^9)^9)^9)^9",
-        "1 h squared squared squared squared squared squared",
-        "5 mm^60/km^60/s",
-        "5 km^80/nm^80/s",
-        "1 " + "(" * 100 + "m",
+        *("320 mm*10**99999999", "1 m**9**9**9", "1 h^99999999", "1 h⁹⁹⁹⁹⁹⁹⁹⁹"),
+        *("1 (((((h^9)^9)^9)^9)^9)^9", "1 h squared squared squared squared squared squared"),
+        *("5 mm^60/km^60/s", "5 km^80/nm^80/s", "1 " + "(" * 100 + "m"),
         "1 m" + " " * 100_000 + "x",
         "1" * 5000 + " mm",
         10**400,
@@ -174,15 +164,13 @@ TURN = 2.0 * np.pi
 @pytest.mark.parametrize(
     "cranks",
     [
-        [0.0, 2.09, 4.19],
-        [0, 3.14159, 3.14159, 0],
-        [0, 2.094, 4.189, 4.189, 2.094, 0],
-        [0.0, 1.57, 4.71, 3.14],
-        [0.0, -2.09, 2.09],
-        np.radians([0, 180]),
-        np.radians([0, 72, 144, 216, 288]),
-        np.radians([0, 240, 480, 120, 360, 600]),
-        np.radians([0, 30, 120, 150, 240, 270]),
+        *([0.0, 2.09, 4.19], [0, 3.14159, 3.14159, 0], [0, 2.094, 4.189, 4.189, 2.094, 0]),
+        *([0.0, 1.57, 4.71, 3.14], [0.0, -2.09, 2.09]),
+        *(np.radians(cranks) for cranks in ([0, 180], [0, 72, 144, 216, 288])),
+        *(
+            np.radians(cranks)
+            for cranks in ([0, 240, 480, 120, 360, 600], [0, 30, 120, 150, 240, 270])
+        ),
     ],
 )
 def test_cranks_in_radians_are_refused(cranks):
@@ -193,15 +181,9 @@ def test_cranks_in_radians_are_refused(cranks):
 @pytest.mark.parametrize(
     "cranks",
     [
-        [0.0],
-        [0, 0, 0, 0],
-        [0, 180, 180, 0],
-        [0.0, 120.0, 240.0],
-        [0.0, 10.0],  # a split pin
-        [0.0, 12.5, 0.0, 12.5],
-        [1.0, 2.0, 3.0],
-        [0.0, 0.3, 0.5],
-        [0, 51.43, 102.86, 154.29, 205.71, 257.14, 308.57],
+        *([0.0], [0, 0, 0, 0], [0, 180, 180, 0], [0.0, 120.0, 240.0]),
+        *([0.0, 10.0], [0.0, 12.5, 0.0, 12.5]),  # split pins
+        *([1.0, 2.0, 3.0], [0.0, 0.3, 0.5], [0, 51.43, 102.86, 154.29, 205.71, 257.14, 308.57]),
     ],
 )
 def test_cranks_in_degrees_are_not_taken_for_radians(cranks):
