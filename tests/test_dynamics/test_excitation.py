@@ -39,7 +39,7 @@ from dynamics.response.linear_system import damped
 from dynamics.response.order_excitation import OrderExcitation
 from equilibrium import unbalanced
 from parts_in_a_line import cylinder as made_cylinder
-from refusals import refusals, refused
+from refusals import refusals, refusals_of, refused
 from small_engines import ROD, SmoothPressure, two_stroke_row, vee
 
 RADIUS = 0.07
@@ -340,27 +340,24 @@ def diagram(step_deg, strokes=4):
     )
 
 
-@pytest.mark.parametrize(
-    ("changed", "field"),
-    [
-        ({"orders": [0.75]}, "orders[0]"),
-        ({"orders": [1.0, 200.0], "samples": 360}, "orders[1]"),
-        ({"orders": [1.0, 18.0], "pressure": diagram(10.0)}, "orders[1]"),
-        ({"speeds": [100.0, 90.0]}, "speeds[1]"),
-        ({"pressure": [SmoothPressure(4)]}, "pressure"),
-        ({"pressure": diagram(5.0, 2)}, "pressure"),
-        ({"misfire": {1: 1.0}}, "motored"),
-        ({"misfire": {5: 1.0}, "motored": SmoothPressure(4)}, "cylinder"),
-        ({"misfire": {1: 1.5}, "motored": SmoothPressure(4)}, "misfire[1]"),
-        ({"misfire": {1: 1.0}, "pressure": None}, "misfire"),
-        ({"load": 0.5}, "load"),
-        ({"throws": [0, 0, 2, 2]}, "throws"),
-    ],
+test_what_does_not_fit_is_refused_cylinder = refusals_of(
+    lambda changed: cylinder_forces(
+        vee(True),
+        **{"speeds": CYLINDER_SPEEDS, "orders": 6.0, "pressure": SmoothPressure(4)} | changed,
+    ),
+    ({"orders": [0.75]}, "orders[0]"),
+    ({"orders": [1.0, 200.0], "samples": 360}, "orders[1]"),
+    ({"orders": [1.0, 18.0], "pressure": diagram(10.0)}, "orders[1]"),
+    ({"speeds": [100.0, 90.0]}, "speeds[1]"),
+    ({"pressure": [SmoothPressure(4)]}, "pressure"),
+    ({"pressure": diagram(5.0, 2)}, "pressure"),
+    ({"misfire": {1: 1.0}}, "motored"),
+    ({"misfire": {5: 1.0}, "motored": SmoothPressure(4)}, "cylinder"),
+    ({"misfire": {1: 1.5}, "motored": SmoothPressure(4)}, "misfire[1]"),
+    ({"misfire": {1: 1.0}, "pressure": None}, "misfire"),
+    ({"load": 0.5}, "load"),
+    ({"throws": [0, 0, 2, 2]}, "throws"),
 )
-def test_what_does_not_fit_is_refused_cylinder(changed, field):
-    given = {"speeds": CYLINDER_SPEEDS, "orders": 6.0, "pressure": SmoothPressure(4)} | changed
-    with refused(field):
-        cylinder_forces(vee(True), **given)
 
 
 def test_a_firing_order_that_does_not_fit_the_cranks_is_refused():

@@ -90,21 +90,16 @@ def test_other_strokes_are_refused(strokes):
         harmonics([1.0, 2.0, 3.0], strokes)
 
 
-@pytest.mark.parametrize(
-    ("angles_deg", "strokes", "field"),
-    [
-        (np.arange(0.0, 360.0, 10.0), 4, "angles_deg"),
-        (np.arange(0.0, 720.0, 20.0), 2, "angles_deg"),
-        ([0.0, 180.0, 180.0, 540.0], 4, "angles_deg[2]"),
-        ([540.0, 360.0, 180.0, 0.0], 4, "angles_deg[1]"),
-        ([0.0, 180.0, 350.0, 540.0], 4, "angles_deg[2]"),
-        ([0.0, float("nan"), 350.0, 540.0], 4, "angles_deg[1]"),
-        (np.delete(np.arange(0.0, 720.0, 10.0), 30), 4, "angles_deg[30]"),
-    ],
+test_unusable_angles_are_refused = refusals_of(
+    lambda angles, strokes: harmonics(np.arange(len(angles)), strokes, angles_deg=angles),
+    (np.arange(0.0, 360.0, 10.0), 4, "angles_deg"),
+    (np.arange(0.0, 720.0, 20.0), 2, "angles_deg"),
+    ([0.0, 180.0, 180.0, 540.0], 4, "angles_deg[2]"),
+    ([540.0, 360.0, 180.0, 0.0], 4, "angles_deg[1]"),
+    ([0.0, 180.0, 350.0, 540.0], 4, "angles_deg[2]"),
+    ([0.0, float("nan"), 350.0, 540.0], 4, "angles_deg[1]"),
+    (np.delete(np.arange(0.0, 720.0, 10.0), 30), 4, "angles_deg[30]"),
 )
-def test_unusable_angles_are_refused(angles_deg, strokes, field):
-    with refused(field):
-        harmonics(np.arange(len(angles_deg)), strokes, angles_deg=angles_deg)
 
 
 def test_angles_printed_rounded_are_accepted():
