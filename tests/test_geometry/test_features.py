@@ -39,6 +39,7 @@ FEATURES = {
     "rounded rectangle": {"web_outline": "rectangle", "web_corner_radius": 0.05},
     "chamfered rectangle": {"web_outline": "rectangle", "web_corner_chamfer": 0.04},
     "thin tip": {"web_tip_thickness": 0.045},
+    "rectangle with a thin tip": {"web_outline": "rectangle", "web_tip_thickness": 0.048},
     "thin foot and bore": {"web_foot_thickness": 0.045, "main_journal_bore": 0.09},
     "counterweights": {"counterweight": Counterweight(outer_radius=0.25, angle=2.0)},
     "half-disc counterweights": {"counterweight": Counterweight(outer_radius=0.2, angle=math.pi)},
