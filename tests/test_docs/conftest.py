@@ -129,7 +129,7 @@ class Runner:
             if block.language == "text" and not block.title:
                 if printed and not block.not_run:
                     differs = difference(block.text.rstrip(), printed.rstrip())
-                    assert differs is None, f"{place} shows and the block above prints:\n{differs}"
+                    assert not differs, f"{place} shows and the block above prints:\n{differs}"
                 printed = None
                 continue
             printed = None

@@ -608,17 +608,12 @@ def assess(
         barred: tuple[Range, ...] = ()
         if vibration.kind == "torsional" or judges_axial(engine_file):
             (spread,) = (spread for spread in spreads if spread.kind == "compliance")
-            tried = {
-                factor: again(
-                    engine_file,
-                    tuple(
-                        _scaled(chain, spread, factor) if chain is vibration else chain
-                        for chain in chains
-                    ),
-                )
-                for factor in _factors(spread)
-            }
-            tried = dict(sorted((tried | {1.0: verdict.started_through + verdict.barred}).items()))
+            tried = {1.0: verdict.started_through + verdict.barred}
+            for factor in _factors(spread):
+                scaled = _scaled(vibration, spread, factor)
+                changed = tuple(scaled if chain is vibration else chain for chain in chains)
+                tried[factor] = again(engine_file, changed)
+            tried = dict(sorted(tried.items()))
             trials += _source_trials(engine_file, vibration, tried)
             barred = _joined([ranges_to_bar(ranges) for ranges in tried.values()])
         uncertain[vibration.kind] = _uncertainty(engine_file, answer, spreads, held, barred)
