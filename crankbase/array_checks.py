@@ -8,8 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError, quoted
 
-FloatArray = NDArray[np.float64]
+Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 # Squares and quotients of numbers beyond these are none that a computer has.
 LARGEST, SMALLEST = 1e60, 1e-60
@@ -18,7 +20,7 @@ HIGHEST_SPEED = 1e9
 _SPEED_UNIT = "rad/s"
 
 
-def finite_array(field: str, values: ArrayLike) -> FloatArray:
+def finite_array(field: str, values: ArrayLike) -> Array:
     """Return values as a new array of finite floats of any shape.
 
     Raises
@@ -32,7 +34,7 @@ def finite_array(field: str, values: ArrayLike) -> FloatArray:
     return array
 
 
-def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = LARGEST) -> None:
+def check_sizes(field: str, array: Array | ComplexArray, largest: float = LARGEST) -> None:
     """Refuse numbers that are not finite, or too large for calculations.
 
     Parameters
@@ -64,7 +66,7 @@ def check_shape(field: str, values: ArrayLike, *allowed: tuple[int, ...]) -> Non
         )
 
 
-def turning_speeds(field: str, speeds: ArrayLike) -> FloatArray:
+def turning_speeds(field: str, speeds: ArrayLike) -> Array:
     """Return speeds of a shaft that may turn either way [rad/s], as an array of any shape.
 
     Raises
@@ -77,7 +79,7 @@ def turning_speeds(field: str, speeds: ArrayLike) -> FloatArray:
     return array
 
 
-def finite_vector(field: str, values: ArrayLike) -> FloatArray:
+def finite_vector(field: str, values: ArrayLike) -> Array:
     """Return values as a new one-dimensional array of finite floats.
 
     Raises
@@ -94,7 +96,7 @@ def finite_vector(field: str, values: ArrayLike) -> FloatArray:
     return array
 
 
-def positive_vector(field: str, values: ArrayLike, unit: str, reason: str) -> FloatArray:
+def positive_vector(field: str, values: ArrayLike, unit: str, reason: str) -> Array:
     """Return values as a one-dimensional array, all above zero.
 
     Raises
@@ -105,7 +107,7 @@ def positive_vector(field: str, values: ArrayLike, unit: str, reason: str) -> Fl
     return _bounded_vector(field, values, unit, reason, zero_allowed=False)
 
 
-def nonnegative_vector(field: str, values: ArrayLike, unit: str, reason: str) -> FloatArray:
+def nonnegative_vector(field: str, values: ArrayLike, unit: str, reason: str) -> Array:
     """Return values as a one-dimensional array, none below zero.
 
     Raises
@@ -147,7 +149,7 @@ def one_for_each(
     reason: str,
     *,
     zero_allowed: bool = True,
-) -> FloatArray:
+) -> Array:
     """Return one value for each of `count` items; a single number applies to all.
 
     Parameters
@@ -229,7 +231,7 @@ def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[flo
     )
 
 
-def read_only(array: FloatArray) -> FloatArray:
+def read_only(array: Array) -> Array:
     """Return the same array, read-only."""
     array.setflags(write=False)
     return array
@@ -247,7 +249,7 @@ def _allowed(unit: str, reason: str, *, zero_allowed: bool) -> str:
 
 def _bounded_vector(
     field: str, values: ArrayLike, unit: str, reason: str, *, zero_allowed: bool
-) -> FloatArray:
+) -> Array:
     array = finite_vector(field, values)
     refused = np.flatnonzero(array < 0.0 if zero_allowed else array <= 0.0)
     if refused.size:
@@ -275,7 +277,7 @@ def _bounded_number(
     return number
 
 
-def _check_magnitudes(field: str, array: FloatArray, unit: str, *, zero_allowed: bool) -> None:
+def _check_magnitudes(field: str, array: Array, unit: str, *, zero_allowed: bool) -> None:
     """Refuse numbers so large or small that their squares and quotients overflow or underflow."""
     largest = HIGHEST_SPEED if unit == _SPEED_UNIT else LARGEST
     least = 0.0 if zero_allowed else SMALLEST
@@ -298,7 +300,7 @@ FEWEST_EVEN, SAME = 8, 1e-6
 PARTS, ROUNDED, ROUNDED_PAIR = np.arange(2, 13), 0.3, 0.1
 
 
-def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) -> FloatArray:
+def checked_degrees(field: str, angles_deg: ArrayLike, *, vector: bool = False) -> Array:
     """Return angles given in degrees as an array, of the same shape.
 
     Parameters
@@ -335,7 +337,7 @@ def refuse_many_turns(field: str, angles: Iterable[float]) -> None:
         )
 
 
-def radians_of(field: str, angles_deg: ArrayLike, *, vector: bool = False) -> FloatArray:
+def radians_of(field: str, angles_deg: ArrayLike, *, vector: bool = False) -> Array:
     """Return angles given in degrees as radians; as `checked_degrees`."""
     return np.radians(checked_degrees(field, angles_deg, vector=vector))
 
@@ -370,7 +372,7 @@ def refuse_radians_between(field: str, angle_deg: float, low_deg: float, high_de
         )
 
 
-def _radians_error(field: str, angles: FloatArray, *, written: bool = False) -> InputError:
+def _radians_error(field: str, angles: Array, *, written: bool = False) -> InputError:
     low, high = (f"{end + 0.0:.4g}" for end in (np.min(angles), np.max(angles)))
     largest = angles[np.argmax(np.abs(angles))]
     cure, unit = ": write numpy.degrees(...) around them", ""

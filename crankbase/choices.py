@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Iterable
+from collections.abc import Iterable, Sized
 from difflib import get_close_matches
 from numbers import Integral, Real
 from types import UnionType
@@ -30,6 +30,12 @@ def check_kind(field: str, value: object, kind: type | UnionType, allowed: str) 
     """Refuse an object of another kind; `allowed` names what it must be."""
     if not isinstance(value, kind):
         raise InputError(f"{field}: given {quoted(value)}; allowed is {allowed}.")
+
+
+def check_some(field: str, items: Sized, because: str) -> None:
+    """Refuse a row of nothing."""
+    if len(items) == 0:
+        raise InputError(f"{field}: given none; allowed are one or more, because {because}.")
 
 
 def check_not_given(option: str, setting: object, shown: str, because: str) -> None:

@@ -6,18 +6,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError, visible
+from crankbase.frames import Axes
 from crankbase.outputs import atomic_file, check_output
 from crankbase.quantity import DISPLAY_UNITS
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 # Files that are the same bit for bit for the same picture, with no need of the reader's fonts.
 REPRODUCIBLE: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "crankfem"}
@@ -79,7 +77,7 @@ def figure(
             made.savefig(part, metadata={"Date": None})
 
 
-def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 4.2) -> "Axes":
+def new_axes(axes: Axes | None = None, *, width: float = 7.2, height: float = 4.2) -> Axes:
     """Return the axes to draw on: those given, or those of a new figure in the style of all diagrams.
 
     Parameters
@@ -130,7 +128,7 @@ def math_symbol(symbol: str) -> str:
     )
 
 
-def with_gaps(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def with_gaps(values: Array) -> Array:
     """Return values with NaN where they are unbounded, for a gap in their line."""
     return np.where(np.isfinite(values), values, np.nan)
 
@@ -140,7 +138,7 @@ BELOW_AXIS = 34.0
 SIZE, TITLE_SIZE = 8, 11
 
 
-def legend_below(axes: "Axes", columns: int) -> None:
+def legend_below(axes: Axes, columns: int) -> None:
     """Put the legend below the axes, without changing their width."""
     from matplotlib.transforms import ScaledTranslation
 
@@ -155,18 +153,18 @@ def legend_below(axes: "Axes", columns: int) -> None:
     )
 
 
-def legend_above(axes: "Axes") -> None:
+def legend_above(axes: Axes) -> None:
     """Put the legend above the curves, next to the title, if curves fill the axes."""
     axes.legend(fontsize=SIZE, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False)
 
 
-def legend_inside(axes: "Axes") -> None:
+def legend_inside(axes: Axes) -> None:
     """Put the legend where it covers least."""
     axes.legend(fontsize=SIZE, frameon=False)
 
 
 def write_title(
-    axes: "Axes", title: str, size: float = TITLE_SIZE, *, mathematics: bool = False
+    axes: Axes, title: str, size: float = TITLE_SIZE, *, mathematics: bool = False
 ) -> None:
     """Write a title over the left end of the axes, unchanged, or with math notation between ``$``."""
     shown = title if mathematics else plain_text(title)
@@ -207,7 +205,6 @@ def display_unit(unit: str) -> tuple[str, float]:
     return text.replace("1e-9", r"$10^{-9}$") or "1", size
 
 
-Array = NDArray[np.float64]
 Role: TypeAlias = Literal["total", "plain sum", "limit", "order", "curve"]
 Dash: TypeAlias = Literal["solid", "dash", "dot", "dashdot"]
 
@@ -473,7 +470,7 @@ LEAST_DOT, DOT_GROWTH = 2.5, 9.0
 TICK_ROOM = 90
 
 
-def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
+def draw_diagram(axes: Axes, diagram: Diagram) -> None:
     """Draw a diagram on axes; the legend is left to the caller."""
     draw_bands(axes, (*diagram.bands, *diagram.marks))
     for shape in diagram.shapes:
@@ -523,7 +520,7 @@ def draw_diagram(axes: "Axes", diagram: Diagram) -> None:
         axes.set_ylim(*diagram.y.ends)
 
 
-def _draw_shape(axes: "Axes", shape: Shape) -> None:
+def _draw_shape(axes: Axes, shape: Shape) -> None:
     from matplotlib.patches import Ellipse, Rectangle
 
     low, width, height = shape.low, shape.high[0] - shape.low[0], shape.high[1] - shape.low[1]
@@ -534,7 +531,7 @@ def _draw_shape(axes: "Axes", shape: Shape) -> None:
     axes.add_patch(patch)
 
 
-def draw_dots(axes: "Axes", dots: Dots) -> None:
+def draw_dots(axes: Axes, dots: Dots) -> None:
     """Draw single points; crosses and dashes have no name in the legend."""
     x, y = np.atleast_1d(dots.x), np.atleast_1d(dots.y)
     alike = dots.weights is None and len(dots.symbols) == 1
@@ -557,7 +554,7 @@ def draw_dots(axes: "Axes", dots: Dots) -> None:
         axes.plot([], [], "o", color=dots.color, label=dots.name)
 
 
-def _draw_note(axes: "Axes", note: Note) -> None:
+def _draw_note(axes: Axes, note: Note) -> None:
     offset, across, up = {
         "middle": ((0, 0), "center", "center"),
         "right": ((3, 0), "left", "center"),
@@ -591,7 +588,7 @@ def bracketed(label: str) -> str:
     return label.rpartition("[")[2].removesuffix("]")
 
 
-def draw_bands(axes: "Axes", bands: Iterable[Band | Mark]) -> None:
+def draw_bands(axes: Axes, bands: Iterable[Band | Mark]) -> None:
     """Shade ranges of the horizontal axis, and mark positions; of one name the first is in the legend."""
     named: set[str] = set()
     for band in bands:
@@ -609,7 +606,7 @@ PALE = "#c9d2db"
 
 
 def draw_groups(
-    axes: "Axes", names: Sequence[str], series: Mapping[str, ArrayLike], label: str
+    axes: Axes, names: Sequence[str], series: Mapping[str, ArrayLike], label: str
 ) -> None:
     """Draw upright bars in groups.
 
@@ -643,7 +640,7 @@ def draw_groups(
 
 
 def draw_rows(
-    axes: "Axes",
+    axes: Axes,
     names: Sequence[str],
     values: ArrayLike,
     label: str,
@@ -681,9 +678,7 @@ def draw_rows(
     axes.set_xlabel(label)
 
 
-def draw_matrix(
-    axes: "Axes", values: ArrayLike, rows: Sequence[str], columns: Sequence[str]
-) -> None:
+def draw_matrix(axes: Axes, values: ArrayLike, rows: Sequence[str], columns: Sequence[str]) -> None:
     """Draw a table of numbers, each cell colored by its value, blue below zero and orange above.
 
     Parameters

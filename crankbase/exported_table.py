@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError, MissingLibraryError, quoted, shortened
 from crankbase.input_file import CSV, LARGEST_TABLE_FILE, LOOKED_AT, UTF_16, InputFile, wrong_kind
 from crankbase.units import NoUnitError, OtherKindError, pressure_reference, size_in
@@ -79,7 +79,7 @@ class ExportedTable:
         """Number of columns."""
         return len(self.cells[0]) if self.cells else len(self.headings)
 
-    def numbers(self, column: int) -> FloatArray:
+    def numbers(self, column: int) -> Array:
         """Return the numbers of a column, NaN for what is none."""
         return np.array([number(row[column], self.decimal) for row in self.cells])
 

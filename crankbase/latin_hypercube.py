@@ -1,13 +1,14 @@
 """Points spread evenly over every column, as `scipy.stats.qmc` draws them, without its second of loading."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from crankbase.array_checks import Array
 
 # Pairs of points whose products are held at a time.
 AT_A_TIME = 1_000_000
 
 
-def latin_hypercube(count: int, columns: int, random: np.random.Generator) -> NDArray[np.float64]:
+def latin_hypercube(count: int, columns: int, random: np.random.Generator) -> Array:
     """Draw a Latin hypercube (n, k) within [0, 1): each column in n strata, one point in each (McKay 1979).
 
     To the last bit the points of ``qmc.LatinHypercube(columns, rng=start).random(count)``, where `random` is
@@ -17,11 +18,11 @@ def latin_hypercube(count: int, columns: int, random: np.random.Generator) -> ND
     strata = np.tile(np.arange(1, count + 1), (columns, 1))
     for column in strata:
         random.shuffle(column)
-    drawn: NDArray[np.float64] = (strata.T - within) / count
+    drawn: Array = (strata.T - within) / count
     return drawn
 
 
-def centered_discrepancy(points: NDArray[np.float64]) -> float:
+def centered_discrepancy(points: Array) -> float:
     """Return the squared centered L2 discrepancy of points (n, k) in the unit cube (Hickernell 1998).
 
     To the last bit that of ``qmc.discrepancy(points)``: summed in its order.

@@ -630,18 +630,3 @@ def compact_large(value: float, digits: int) -> str:
     """Write a number as `compact` does, but without a power of ten where a person reads it so."""
     text = compact(value, digits)
     return f"{float(text):.0f}" if "e" in text and 1.0 <= abs(value) < WRITTEN_OUT else text
-
-
-def quantities_apart(value: float, other: float, unit: str, digits: int = 3) -> tuple[str, str]:
-    """Format two SI numbers with so many digits, or with up to six where that tells them apart.
-
-    Examples
-    --------
-    >>> quantities_apart(22.28e6, 22.27e6, "Pa")
-    ('22.28 MPa', '22.27 MPa')
-    """
-    for tried in range(digits, 7):
-        shown = format_quantity(value, unit, tried), format_quantity(other, unit, tried)
-        if shown[0] != shown[1] or value == other:
-            break
-    return shown

@@ -30,7 +30,7 @@ from typing import (
 import numpy as np
 
 from crankbase.errors import InputError, SolveError, quoted
-from crankbase.frames import Row, table_of
+from crankbase.frames import DataFrame, Row, table_of
 from crankbase.quantity import RPM
 from crankbase.sentences import Sentence, with_sentences
 from crankbase.summaries import summarized
@@ -38,7 +38,6 @@ from crankbase.summaries import summarized
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
 
-    from crankbase.frames import DataFrame
 
 T = TypeVar("T")
 
@@ -224,7 +223,7 @@ class Result:
         """Return the single values by column, each with its SI unit."""
         return dict(_cells(self, ""))
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a table with one row; units in ``frame.attrs["units"]``."""
         return table_of([self])
 

@@ -3,9 +3,10 @@
 import math
 import textwrap
 from collections.abc import Callable, Mapping, Sized
+from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
 
@@ -81,6 +82,25 @@ def summarized(
             cls.__repr__ = __repr__  # type: ignore[method-assign]
         cls._repr_html_ = _repr_html_  # type: ignore[attr-defined]
         return cls
+
+    return decorate
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+def frozen(*items: str, eq: bool = True) -> Callable[[type[T]], type[T]]:
+    """Make a frozen data class with the short texts of `summarized`.
+
+    Parameters
+    ----------
+    *items : str
+        Main values, as for `summarized`, unless the class has a text of its own.
+    eq : bool, optional
+        Whether objects of equal values are equal; no class with arrays can be so.
+    """
+
+    def decorate(cls: type[T]) -> type[T]:
+        has_text = "__repr__" in vars(cls)
+        return summarized(*items, keeps_text=has_text)(dataclass(frozen=True, eq=eq)(cls))
 
     return decorate
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     complex_array,
     finite_array,
     nonnegative_number,
@@ -155,7 +155,7 @@ class Hodograph(Result):
         turn = np.exp(1j * self.order * radians_of("shaft_angle_deg", shaft_angle_deg))
         return np.asarray(self.forward * turn + self.backward / turn)
 
-    def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]:
+    def points(self, count: int = 181) -> tuple[Array, Array]:
         """Return x and y of points along the closed curve, each real of shape (count,)."""
         count = whole_number("count", count, 1, "so many points are wanted")
         vectors = self.at(
@@ -401,7 +401,7 @@ def reciprocating_forces(
     """
     numbers = range(1, len(engine.cylinders) + 1)
 
-    def forces(angles: FloatArray) -> ComplexArray:
+    def forces(angles: Array) -> ComplexArray:
         motions = (parts_motion(engine, number, angles).piston for number in numbers)
         return np.array(
             [
@@ -414,7 +414,7 @@ def reciprocating_forces(
 
 
 def cylinder_forces(
-    engine: EngineLayout, forces: Callable[[FloatArray], ComplexArray], orders: Sequence[int]
+    engine: EngineLayout, forces: Callable[[Array], ComplexArray], orders: Sequence[int]
 ) -> dict[int, list[PlacedForce]]:
     """Return the orders of forces given in the cylinders' frames, in the engine's frame.
 
@@ -727,7 +727,7 @@ def _lateral(
         return {}
     numbers = range(1, len(engine.cylinders) + 1)
 
-    def forces(angles: FloatArray) -> ComplexArray:
+    def forces(angles: Array) -> ComplexArray:
         turns = (parts_motion(engine, number, angles).rod for number in numbers)
         return np.array(
             [

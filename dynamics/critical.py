@@ -1,7 +1,6 @@
 """Critical speeds: where an engine order meets a natural frequency, and which orders are major."""
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated
 
@@ -9,18 +8,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     finite_vector,
     nonnegative_vector,
     positive_number,
     positive_vector,
 )
+from crankbase.choices import check_some
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.sentences import amount
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
 from dynamics.indices import within
@@ -176,8 +176,7 @@ FULL_SUM_TOLERANCE = 1e-6
 HIGHEST_ORDER = 1e5
 
 
-@summarized("mode", "frequency [Hz]", "order", "speed [rad/s]", "speed_rpm [1/min]")
-@dataclass(frozen=True)
+@frozen("mode", "frequency [Hz]", "order", "speed [rad/s]", "speed_rpm [1/min]")
 class CriticalSpeed:
     """A speed at which one order of the excitation meets one natural frequency.
 
@@ -216,7 +215,7 @@ class CriticalSpeed:
         }
 
 
-def engine_orders(strokes: int, highest: float) -> FloatArray:
+def engine_orders(strokes: int, highest: float) -> Array:
     """Return the orders of an engine up to a highest one.
 
     Parameters
@@ -291,9 +290,7 @@ def critical_speeds(
     return meetings(natural, excited, *limits.tolist())
 
 
-def meetings(
-    natural: FloatArray, orders: FloatArray, low: float, high: float
-) -> tuple[CriticalSpeed, ...]:
+def meetings(natural: Array, orders: Array, low: float, high: float) -> tuple[CriticalSpeed, ...]:
     """Return `critical_speeds` of checked frequencies, orders and ends."""
     speeds = (2.0 * math.pi * natural)[:, np.newaxis] / orders
     crossings = (
@@ -307,7 +304,7 @@ def meetings(
 
 def vector_sums(
     orders: ArrayLike, firing_angles: ArrayLike, weights: ArrayLike | None = None
-) -> FloatArray:
+) -> Array:
     """Sum the unit phasors of all cylinders for each order.
 
     Parameters
@@ -327,10 +324,7 @@ def vector_sums(
     """
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
     angles = finite_vector("firing_angles", firing_angles)
-    if angles.size == 0:
-        raise InputError(
-            "firing_angles: given no values; allowed are one or more, because each cylinder fires."
-        )
+    check_some("firing_angles", angles, "each cylinder fires")
     shares = np.ones(angles.size) if weights is None else finite_vector("weights", weights)
     if shares.size != angles.size:
         raise InputError(
@@ -341,7 +335,7 @@ def vector_sums(
     return np.asarray(np.abs(phasors @ shares), dtype=np.float64)
 
 
-def major_orders(orders: ArrayLike, firing_angles: ArrayLike) -> FloatArray:
+def major_orders(orders: ArrayLike, firing_angles: ArrayLike) -> Array:
     """Return those orders at which all cylinders act in phase.
 
     Returns

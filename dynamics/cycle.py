@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 
 # A sample may lie off its even place by this share of the step: room for angles printed rounded.
@@ -38,7 +38,7 @@ def order_step(strokes: int) -> float:
     return 2.0 / checked_strokes(strokes)
 
 
-def order_numbers(orders: FloatArray, strokes: int) -> FloatArray:
+def order_numbers(orders: Array, strokes: int) -> Array:
     """Return how many steps of the cycle's orders each order is (K,); others are refused."""
     step = order_step(strokes)
     numbers = np.round(orders / step)
@@ -52,23 +52,23 @@ def order_numbers(orders: FloatArray, strokes: int) -> FloatArray:
     return np.asarray(numbers)
 
 
-def even_angles(length: float, count: int) -> FloatArray:
+def even_angles(length: float, count: int) -> Array:
     """Return `count` even angles over a length from zero, the closing one left out (count,)."""
     return np.asarray(length / count * np.arange(count), dtype=np.float64)
 
 
-def mean_step(angles_deg: FloatArray) -> float:
+def mean_step(angles_deg: Array) -> float:
     """Return the mean distance between neighbors of n >= 2 increasing angles, shape (n,)."""
     return float((angles_deg[-1] - angles_deg[0]) / (angles_deg.size - 1))
 
 
-def first_not_increasing(angles_deg: FloatArray) -> int | None:
+def first_not_increasing(angles_deg: Array) -> int | None:
     """Return the index of the first angle that is not above the one before it, or None."""
     falling = np.flatnonzero(np.diff(angles_deg) <= 0.0)
     return int(falling[0]) + 1 if falling.size else None
 
 
-def first_uneven(angles_deg: FloatArray) -> int | None:
+def first_uneven(angles_deg: Array) -> int | None:
     """Return the index of the angle after the most unusual gap, or None for even angles."""
     step = mean_step(angles_deg)
     even = angles_deg[0] + step * np.arange(angles_deg.size)
@@ -78,25 +78,25 @@ def first_uneven(angles_deg: FloatArray) -> int | None:
     return int(np.argmax(np.abs(gaps - np.median(gaps)))) + 1
 
 
-def has_closing_sample(angles_deg: FloatArray, cycle_deg: float) -> bool:
+def has_closing_sample(angles_deg: Array, cycle_deg: float) -> bool:
     """Return whether the last of the evenly spaced angles is one cycle after the first."""
     span = float(angles_deg[-1] - angles_deg[0])
     return abs(span - cycle_deg) <= 2 * PLACE_TOLERANCE * mean_step(angles_deg)
 
 
-def covers_cycle(angles_deg: FloatArray, cycle_deg: float) -> bool:
+def covers_cycle(angles_deg: Array, cycle_deg: float) -> bool:
     """Return whether the next evenly spaced angle would be the first one of the next cycle."""
     step = mean_step(angles_deg)
     span = float(angles_deg[-1] - angles_deg[0])
     return abs(span + step - cycle_deg) <= 2 * PLACE_TOLERANCE * step
 
 
-def is_even_cycle(angles_deg: FloatArray, cycle_deg: float) -> bool:
+def is_even_cycle(angles_deg: Array, cycle_deg: float) -> bool:
     """Return whether increasing angles are even over one cycle, the closing one left out."""
     return first_uneven(angles_deg) is None and covers_cycle(angles_deg, cycle_deg)
 
 
-def check_even_cycle(field: str, angles_deg: FloatArray, cycle_deg: float) -> None:
+def check_even_cycle(field: str, angles_deg: Array, cycle_deg: float) -> None:
     """Refuse angles that are not even over one cycle, the closing one left out.
 
     Parameters

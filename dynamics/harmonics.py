@@ -1,19 +1,19 @@
 """Tables of samples over a working cycle, and the harmonics of a torque or force that repeats."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Annotated, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray, finite_vector, positive_number, radians_of, read_only
+from crankbase.array_checks import Array, finite_vector, positive_number, radians_of, read_only
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
 from crankbase.results import Internal, Number, Quantity, Result, result
 from crankbase.sentences import with_sentences
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import check_even_cycle, cycle_degrees, is_even_cycle, order_step
 from dynamics.plots.harmonics import draw_harmonics, draw_samples, draw_single_harmonics
 from dynamics.sample_tables import (
@@ -34,16 +34,16 @@ ROOM = 1.0 + 1e-9
 
 
 # In the unit of the samples.
-Sampled = Annotated[FloatArray, Quantity(".unit")]
+Sampled = Annotated[Array, Quantity(".unit")]
 
 
 @result("orders", "amplitude", "mean")
 class Spectrum(Result):
     """Mean and harmonics M_k sin(order x + a_k)."""
 
-    orders: Annotated[FloatArray, Quantity("1")]
+    orders: Annotated[Array, Quantity("1")]
     amplitude: Sampled
-    phase: Annotated[FloatArray, Quantity("rad", exported="deg")]
+    phase: Annotated[Array, Quantity("rad", exported="deg")]
     cosine: Sampled
     sine: Sampled
     mean: Annotated[float, Quantity(".unit")]
@@ -133,7 +133,7 @@ class Harmonics(Spectrum):
             return f"those above {self.orders[-1]:g} were left out"
         return f"{self.samples} samples over one cycle resolve no others"
 
-    def at(self, *, crank_angle_deg: ArrayLike) -> FloatArray:
+    def at(self, *, crank_angle_deg: ArrayLike) -> Array:
         """Sum the series at crank angles; at the sample points all orders give the samples.
 
         Parameters
@@ -143,7 +143,7 @@ class Harmonics(Spectrum):
         """
         return np.asarray(self.each_at(crank_angle_deg=crank_angle_deg).sum(axis=0) + self.mean)
 
-    def each_at(self, *, crank_angle_deg: ArrayLike) -> FloatArray:
+    def each_at(self, *, crank_angle_deg: ArrayLike) -> Array:
         """Return each harmonic separately; mean and running sum of them are the partial sums.
 
         Parameters
@@ -306,8 +306,7 @@ TABLE = TableKind(
 
 
 @with_sentences
-@summarized("torque [N m]", "crank_angle_deg [deg]", "strokes", "source")
-@dataclass(frozen=True, eq=False)
+@frozen("torque [N m]", "crank_angle_deg [deg]", "strokes", "source", eq=False)
 class TorqueTable:
     """The torque of one throw, evenly sampled over one cycle, without the closing sample.
 
@@ -319,8 +318,8 @@ class TorqueTable:
         Changes made to the samples, a sentence each.
     """
 
-    crank_angle_deg: FloatArray
-    torque: FloatArray
+    crank_angle_deg: Array
+    torque: Array
     source: str
     strokes: int
     remarks: tuple[str, ...] = ()

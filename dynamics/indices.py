@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray, nonnegative_number, nonnegative_vector
+from crankbase.array_checks import Array, Flags, nonnegative_number, nonnegative_vector
 from crankbase.choices import is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
 
@@ -22,7 +22,7 @@ def node_index(field: str, node: object, count: int) -> int:
 
 def values_at_nodes(
     field: str, values: ArrayLike | Mapping[int, float] | None, count: int, unit: str, reason: str
-) -> FloatArray:
+) -> Array:
     """Return one non-negative value per node, from an array or a mapping node -> value.
 
     Parameters
@@ -71,12 +71,12 @@ def grouped(items: Iterable[T], belongs: Callable[[list[T], T], bool]) -> list[l
     return groups
 
 
-def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bool_]:
+def within(speeds: float | Array, low: float, high: float) -> Flags:
     """Return which speeds are in a range, ends included within a few units in the last place."""
     return np.asarray(at_most(low, speeds) & at_most(speeds, high))
 
 
-def within_any(speeds: FloatArray, ranges: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+def within_any(speeds: Array, ranges: Sequence[tuple[float, float]]) -> Flags:
     """Return which speeds are in any of some ranges, whose ends are their own."""
     inside = np.zeros(speeds.shape, dtype=bool)
     for low, high in ranges:
@@ -84,6 +84,6 @@ def within_any(speeds: FloatArray, ranges: Sequence[tuple[float, float]]) -> NDA
     return inside
 
 
-def at_most(speed: float | FloatArray, limit: float | FloatArray) -> NDArray[np.bool_]:
+def at_most(speed: float | Array, limit: float | Array) -> Flags:
     """Return whether a speed is at most another, within a few units in the last place."""
     return np.asarray(speed <= limit * (1.0 + AT_END))

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError, quoted, shortened
 from crankbase.exported_table import ExportedTable, read_exported_table, unit_size
 from crankbase.input_file import GivenFile, InputFile
@@ -120,8 +120,8 @@ class SampleRows:
     path: Path
     angle_name: str
     value_name: str
-    angles: FloatArray
-    values: FloatArray
+    angles: Array
+    values: Array
     lines: tuple[int, ...]
     comments: tuple[str, ...]
     faults: tuple[str, ...] = ()
@@ -543,7 +543,7 @@ def _mean_cycle(
 
 def _without_closing(
     rows: SampleRows, cut: _Cut, single: SampleRows, scatter: float, tolerance: float
-) -> tuple[FloatArray, list[str], list[str]]:
+) -> tuple[Array, list[str], list[str]]:
     """Return the values of the cycle, what is wrong with its closing sample, and what became of it."""
     values, place = single.values, cut.closing or -1
     first, closing = values[0], rows.values[place]
@@ -571,7 +571,7 @@ def _without_closing(
     return values, [], [f"The closing sample at {angle(rows.angles[place])} was dropped."]
 
 
-def _seam(angles: FloatArray, values: FloatArray, cycle: float) -> float:
+def _seam(angles: Array, values: Array, cycle: float) -> float:
     """Return the jump of value or slope at the end of a cycle over the largest between samples."""
     closed = np.concatenate([angles, angles[:2] + cycle])
     slopes = np.diff(np.concatenate([values, values[:2]])) / np.diff(closed)
@@ -584,7 +584,7 @@ def _seam(angles: FloatArray, values: FloatArray, cycle: float) -> float:
     return max(ratios)
 
 
-def even_count(angles: FloatArray, cycle: float) -> int:
+def even_count(angles: Array, cycle: float) -> int:
     """Return how many even samples over a cycle [deg] take the place of uneven ones, (m,) angles [deg]."""
     smallest = float(np.min(np.diff(angles, append=angles[0] + cycle)))
     return math.ceil(cycle / min(max(smallest / 2.0, FINEST_STEP), COARSEST_STEP) - 1e-9)

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     finite_array,
     finite_vector,
     nonnegative_number,
     positive_vector,
     read_only,
 )
-from crankbase.choices import check_choice, is_whole, whole_number, whole_within
+from crankbase.choices import check_choice, check_some, is_whole, whole_number, whole_within
 from crankbase.diagrams import BLUE, COLORS, ORANGE, legend_above, new_axes, write_title
 from crankbase.errors import InputError, SolveError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
@@ -50,7 +50,7 @@ def samples_and_gas(
     pressure: Pressure | Sequence[Pressure] | ArrayLike | None,
     samples: int,
     crankcase_pressure: float,
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Array, Array]:
     """Return shaft angles evenly over a cycle (m,) [rad], and forces on the pistons (n, m) [N]."""
     count = whole_number("samples", samples, 3, "fewer show no harmonic")
     angles = even_angles(cycle_radians(engine.strokes), count)
@@ -72,7 +72,7 @@ def samples_and_gas(
 
 
 def forces_by_cause(
-    engine: EngineLayout, speed: float, angles: FloatArray, gas: FloatArray, model: RodModelName
+    engine: EngineLayout, speed: float, angles: Array, gas: Array, model: RodModelName
 ) -> tuple[MechanismForces, MechanismForces]:
     """Return the forces in the mechanism of the gas alone, and of moving masses alone."""
     running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
@@ -83,7 +83,7 @@ def forces_by_cause(
 
 
 def from_firing_top(
-    engine: EngineLayout, place: int, angles: FloatArray, values: FloatArray, unit: str
+    engine: EngineLayout, place: int, angles: Array, values: Array, unit: str
 ) -> Harmonics:
     """Return the harmonics of a cylinder's values (m,), its index from 0, counted from its firing top."""
     since_firing = np.degrees(angles - np.radians(engine.firing_deg[place]))
@@ -211,7 +211,7 @@ class PinForceHarmonics(Result):
 
     def to_pandas(self) -> DataFrame:
         """Return one row for each order: amplitude and phase of T and Z by cause."""
-        columns: dict[str, tuple[FloatArray, str]] = {"order": (self.tangential.orders, "1")}
+        columns: dict[str, tuple[Array, str]] = {"order": (self.tangential.orders, "1")}
         for cause in fields(self)[2:]:
             name = cause.name
             spectrum: Harmonics = getattr(self, name)
@@ -246,7 +246,7 @@ def pin_force_harmonics(
     """
     angles, gas = samples_and_gas(engine, pressure, samples, crankcase_pressure)
     of_gas, of_masses = forces_by_cause(engine, speed, angles, gas, model)
-    parts: list[FloatArray] = []
+    parts: list[Array] = []
     for by_gas, by_masses in (
         (of_gas.tangential, of_masses.tangential),
         (of_gas.radial, of_masses.radial),
@@ -288,19 +288,19 @@ class EngineTorque(Result):
 
     engine: Internal[EngineLayout]
     speed: Speed
-    shaft_angles_deg: Internal[FloatArray]
-    gas: Internal[FloatArray]
-    inertia: Internal[FloatArray]
+    shaft_angles_deg: Internal[Array]
+    gas: Internal[Array]
+    inertia: Internal[Array]
     throws: Internal[tuple[tuple[int, ...], ...]]
-    indicated_work: Annotated[FloatArray, Quantity("J")]
+    indicated_work: Annotated[Array, Quantity("J")]
 
     @property
-    def per_cylinder(self) -> FloatArray:
+    def per_cylinder(self) -> Array:
         """Torque of each cylinder (n, m) [N m]."""
         return self.gas + self.inertia
 
     @property
-    def per_throw(self) -> FloatArray:
+    def per_throw(self) -> Array:
         """Torque of each throw, along the shaft (k, m) [N m]."""
         torques = self.per_cylinder
         return np.array(
@@ -308,12 +308,12 @@ class EngineTorque(Result):
         )
 
     @property
-    def passed_on(self) -> FloatArray:
+    def passed_on(self) -> Array:
         """Torque in the main journal after each throw, towards the flywheel (k, m) [N m]."""
         return np.asarray(np.cumsum(self.per_throw, axis=0))
 
     @property
-    def total(self) -> FloatArray:
+    def total(self) -> Array:
         """Torque of the engine (m,) [N m]."""
         return np.asarray(self.per_cylinder.sum(axis=0))
 
@@ -501,8 +501,8 @@ class Star(Result):
     """
 
     order: Number
-    directions_deg: Annotated[FloatArray, Quantity("deg")]
-    weights: Internal[FloatArray]
+    directions_deg: Annotated[Array, Quantity("deg")]
+    weights: Internal[Array]
 
     @property
     def vectors(self) -> "np.ndarray[tuple[int], np.dtype[np.complex128]]":
@@ -621,7 +621,7 @@ def star_diagram(
 
 def _firing_and_strokes(
     engine: EngineLayout | None, firing_angles_deg: ArrayLike | None, strokes: int | None
-) -> tuple[FloatArray, int | None]:
+) -> tuple[Array, int | None]:
     """Return the firing angles [rad], and the strokes if known."""
     checked = None if strokes is None else checked_strokes(strokes)
     if engine is None and firing_angles_deg is not None:
@@ -639,18 +639,13 @@ def _firing_and_strokes(
             f"{'left out' if firing_angles_deg is None else 'given'}; allowed is either an EngineLayout or "
             "firing_angles_deg, because each defines where the cylinders fire."
         )
-    if firing.size == 0:
-        raise InputError(
-            "firing_angles_deg: given none; allowed is one for each cylinder, because the star has a "
-            "vector of each."
-        )
+    check_some("firing_angles_deg", firing, "the star has a vector of each")
     return firing, checked
 
 
 def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:
     """Return the major orders, or if there is none, as with uneven firing, the largest ones."""
-    if not stars:
-        raise InputError("stars: given none; allowed are one or more, because one is to lead.")
+    check_some("stars", stars, "one is to lead")
     majors = tuple(star for star in stars if star.kind == "major")
     strongest = max(star.share for star in stars)
     return majors or tuple(
@@ -682,7 +677,7 @@ def same_stars(stars: Iterable[Star]) -> tuple[tuple[Star, ...], ...]:
     return tuple(tuple(group) for group in groups)
 
 
-def _equal_directions(first: FloatArray, second: FloatArray) -> bool:
+def _equal_directions(first: Array, second: Array) -> bool:
     return bool(np.max(np.abs(np.exp(1j * first) - np.exp(1j * second))) <= SAME_DIRECTION)
 
 

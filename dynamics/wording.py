@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.quantity import format_usage, percent
 from crankbase.sentences import amount, apart, capital, joined, kept, listed, written
 
@@ -27,11 +27,6 @@ def at_speed(speed: float) -> str:
 def speed_range(low: float, high: float) -> str:
     """Write a range of speeds [rad/s] into a sentence."""
     return listed((low, high), "rad/s", 4, " to ")
-
-
-def speed_text(speed: float) -> str:
-    """Write a speed [rad/s] in 1/min."""
-    return written(at_speed(speed))
 
 
 def shown_range(low: float, high: float) -> str:
@@ -78,7 +73,6 @@ def share_of_limit(used: float, *, passing: bool) -> str:
 
 def check_sentences(
     limit: str,
-    place: str,
     source: str,
     speed: float,
     use: str,
@@ -87,7 +81,7 @@ def check_sentences(
     *,
     above_alone: bool = False,
 ) -> tuple[str, ...]:
-    """State what is reached of a limit at a place, with the limit's source, and the cause, if it is known.
+    """State what is reached of a limit, with the limit's source, and the cause, if it is known.
 
     `use` is the largest at all speeds judged, `running` at running speeds, where that is another one. Where
     the limit is exceeded above the running range alone, that comes first.
@@ -101,7 +95,7 @@ def check_sentences(
         )
         # The cause is that of one of the two.
         reasons = reasons and f"at {at_speed(speed)}, {reasons}"
-    text = f"{limit_at(limit, place)}: {use} ({source})."
+    text = f"{limit}: {use} ({source})."
     return (text, f"{capital(reasons)}.") if reasons else (text,)
 
 
@@ -512,7 +506,7 @@ def by_one_model(by_chains: bool) -> str:
     )
 
 
-def _frequencies(values: FloatArray) -> str:
+def _frequencies(values: Array) -> str:
     """Write the range of frequencies [Hz]."""
     low, high = (round(float(end), 1) for end in (np.nanmin(values), np.nanmax(values)))
     return (
@@ -527,7 +521,7 @@ def stiffness_range(lowest: float, highest: float) -> str:
     return listed((lowest, highest), "N/m", 3, " to ")
 
 
-def _range_of(values: FloatArray, form: str) -> str:
+def _range_of(values: Array, form: str) -> str:
     low, high = (format(float(end), form) for end in (np.nanmin(values), np.nanmax(values)))
     return low if low == high else f"{low} to {high}"
 
@@ -535,9 +529,9 @@ def _range_of(values: FloatArray, form: str) -> str:
 def first_frequencies(
     kind: str,
     mode: int,
-    chain: FloatArray | None,
-    shaft: FloatArray | None,
-    others: Iterable[FloatArray],
+    chain: Array | None,
+    shaft: Array | None,
+    others: Iterable[Array],
 ) -> str:
     """State the frequencies of a mode over the bearings' range [Hz]; empty where there are none.
 
@@ -551,16 +545,12 @@ def first_frequencies(
     if not moved:
         return ""
     parts = " and ".join(map(_frequencies, others))
+    first = f"first {kind} frequency"
+    if mode != 1:
+        first = f"{kind} mode {mode}, the crankshaft's own first,"
     return (
-        f"{_own_first(kind, mode)} {', '.join(moved)}"
-        f"{f'; modes that are {kind} in part: {parts}' if parts else ''}"
+        f"{first} {', '.join(moved)}{f'; modes that are {kind} in part: {parts}' if parts else ''}"
     )
-
-
-def _own_first(kind: str, mode: int) -> str:
-    if mode == 1:
-        return f"first {kind} frequency"
-    return f"{kind} mode {mode}, the crankshaft's own first,"
 
 
 def over_bearings(lowest: float, highest: float, assumed: bool, frequencies: Iterable[str]) -> str:
@@ -572,10 +562,10 @@ def over_bearings(lowest: float, highest: float, assumed: bool, frequencies: Ite
 
 
 def limits_over_bearings(
-    used: Mapping[str, FloatArray],
+    used: Mapping[str, Array],
     beyond: Collection[str],
     statuses: Sequence[str],
-    stiffness: FloatArray,
+    stiffness: Array,
 ) -> str:
     """State the shares of limits used over the bearings' range, and where the verdict changes."""
     uses = ", ".join(

@@ -16,6 +16,7 @@ from scipy import sparse
 
 from crankbase.choices import check_choice, check_kind
 from crankbase.errors import InputError
+from crankbase.frames import Axes
 from crankbase.memory import check_memory
 from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
@@ -92,8 +93,6 @@ from geometry.sizes import SizeMap, element_sizes, sizes_at_corners
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from fem.exchange import SkfemThrow
     from fem.fillet_peaks import LoadedThrow
     from fem.sensitivities import DimensionChange, Sensitivities
@@ -648,11 +647,11 @@ class ThrowAnalysis(SolvedSuperelement):
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         view: Literal["side", "left end"] = "side",
         dimensions: bool = True,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the throw to scale; see `CrankThrow.plot`.
 
         Raises
@@ -668,8 +667,8 @@ class ThrowAnalysis(SolvedSuperelement):
         return self.throw.plot(axes, view=view, dimensions=dimensions)
 
     def plot_over_angle(
-        self, axes: "Axes | None" = None, *, quantity: Compliance = "axial_compliance"
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, quantity: Compliance = "axial_compliance"
+    ) -> Axes:
         """Draw a compliance over the angle to equal neighbors, with the pinned and the guided throw.
 
         With equal webs the value for neighbors in line is near the guided one, for opposite ones near the

@@ -18,25 +18,22 @@ numbers contain. The law then goes through e(0), e(90) and e(180), with errors u
 """
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.array_checks import finite_array
+from crankbase.array_checks import Array, finite_array
 from crankbase.choices import check_choice
 from crankbase.diagrams import BLUE, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
-from crankbase.frames import grid, table
+from crankbase.frames import Axes, grid, table
 from crankbase.results import Internal, Quantity, Result, result
 from fem.end_reactions import WORDS
 from fem.plots import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
 from fem.supports import Neighbors, Support, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # A stiffness that its mirror image repeats within this share is symmetric.
 SYMMETRIC = 1e-6
@@ -82,7 +79,7 @@ class AngleLaw(AngleNumbers):
                     f"{name}: given {value:g}; allowed is a {kind}, as every throw has it."
                 )
 
-    def share(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
+    def share(self, gamma_deg: ArrayLike) -> Array:
         """Position between in line (0) and opposite (1) at these angles [deg].
 
         Raises
@@ -94,21 +91,21 @@ class AngleLaw(AngleNumbers):
         sine, cosine = np.sin(half) ** 2, np.cos(half) ** 2
         return np.asarray(sine / (sine + self.ratio * cosine))
 
-    def axial(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
+    def axial(self, gamma_deg: ArrayLike) -> Array:
         """Axial compliance between neighbors at these angles [deg], e(gamma) [m/N]."""
         return np.asarray(self.in_line + (self.opposite - self.in_line) * self.share(gamma_deg))
 
-    def influence(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
+    def influence(self, gamma_deg: ArrayLike) -> Array:
         """Influence coefficient between neighbors at these angles [deg], c(gamma) [m/N]."""
         change = self.influence_opposite - self.influence_in_line
         return np.asarray(self.influence_in_line + change * self.share(gamma_deg))
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         quantity: Literal["axial_compliance", "influence_coefficient"] = "axial_compliance",
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the law over the angle to the neighbors, 0 to 180 deg, with its two ends marked.
 
         Parameters
@@ -170,7 +167,7 @@ class AngleLaw(AngleNumbers):
             {"gamma_deg": (angles, "deg", "angle between neighboring cranks")},
         )
 
-    def _over(self, angles: NDArray[Any]) -> dict[str, NDArray[np.float64]]:
+    def _over(self, angles: NDArray[Any]) -> dict[str, Array]:
         return {
             "axial_compliance": self.axial(angles),
             "influence_coefficient": self.influence(angles),
@@ -246,9 +243,7 @@ def compliance(throw: Superelement, quantity: Compliance, support: Support) -> f
     }[quantity]
 
 
-def compliance_over_angle(
-    throw: Superelement, quantity: Compliance, gamma_deg: ArrayLike
-) -> NDArray[np.float64]:
+def compliance_over_angle(throw: Superelement, quantity: Compliance, gamma_deg: ArrayLike) -> Array:
     """Return a compliance (n,) over the angle to equal neighbors.
 
     Raises

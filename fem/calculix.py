@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.choices import check_kind
+from crankbase.array_checks import Array
+from crankbase.choices import check_choice, check_kind, check_some
 from crankbase.errors import InputError
 from crankbase.outputs import write_errors, write_text
 from fem.end_reactions import MOTIONS
@@ -114,10 +114,7 @@ def bending_case(axis: Literal["x", "y"]) -> LoadCase:
 
     The moment about x bends the throw in the crank plane, that about y across it.
     """
-    if axis not in ("x", "y"):
-        raise InputError(
-            f'axis: given {axis!r}; allowed are "x" and "y", because z is the shaft axis.'
-        )
+    check_choice("axis", axis, ("x", "y"), "z is the shaft axis")
     place = RX if axis == "x" else RY
     loads = tuple(-1.0 if i == place else 1.0 if i == 6 + place else 0.0 for i in range(12))
     return LoadCase(f"opposite end moments of 1 N m about {axis}, pinned", "pinned", loads)
@@ -167,8 +164,6 @@ def standard_cases(mesh: ThrowMesh) -> tuple[LoadCase, ...]:
 def _on_right(place: int) -> tuple[float, ...]:
     return tuple(float(i == 6 + place) for i in range(12))
 
-
-Array = NDArray[np.float64]
 
 # The set of the four nodes that stand for the end sections, in the order left center, left rotation,
 # right center, right rotation; their displacements are the twelve motions.
@@ -225,14 +220,8 @@ def calculix_deck(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]
             f"mesh.part: given {mesh.part!r}; allowed is 'full', because the deck holds a whole throw: "
             'mesh it with part="full".'
         )
-    if not isinstance(material, Material):
-        raise InputError(
-            f"material: given {material!r}; allowed is a Material, because its constants are written."
-        )
-    if not cases:
-        raise InputError(
-            "cases: given none; allowed is one or more, because CalculiX computes nothing else."
-        )
+    check_kind("material", material, Material, "a Material")
+    check_some("cases", cases, "CalculiX computes nothing else")
     for case in cases:
         if len(case.pin_forces) not in (0, len(mesh.pins)):
             raise InputError(

@@ -28,8 +28,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array, Integers
 from fem.material import Material
 from fem.solver import physical_gradients
 from fem.superelement import CondensedClass, end_amplitudes
@@ -37,9 +38,6 @@ from fem.symmetry import RIGID
 from geometry.mesh import ThrowMesh
 from geometry.shapes import EDGES, shapes_for_quadrature
 from geometry.solid import FILLET
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Order of components of a stress: xx, yy, zz, xy, yz, zx.
 ROWS, COLUMNS = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])

@@ -1,21 +1,15 @@
 """What holds a throw's ends, and tables of it: stiffness, compliances, loads and motions by name."""
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
-from crankbase.frames import grid, table
+from crankbase.frames import Axes, grid, table
 from crankbase.results import Quantity, Result, result
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-Array = NDArray[np.float64]
 
 MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 LOADS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -133,9 +127,7 @@ class Reactions(Result):
             ),
         )
 
-    def plot(
-        self, axes: "Axes | None" = None, *, show: Literal["force", "moment"] = "force"
-    ) -> "Axes":
+    def plot(self, axes: Axes | None = None, *, show: Literal["force", "moment"] = "force") -> Axes:
         """Draw the components of force [kN] or moment [kN m] at both ends.
 
         Raises

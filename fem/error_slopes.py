@@ -22,16 +22,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from fem.correction import StressRecovery
 from fem.material import Material
 from fem.solver import SharedSolver, assemble_stiffness
 from fem.superelement import CondensedClass, hold_ends, solve_given_ends
 from fem.symmetry import RIGID, NodalLoads
 from geometry.mesh import ThrowMesh
-
-Array = NDArray[np.float64]
 
 # A solution whose error has less than this share of the largest energy is a rigid motion.
 RIGID_SHARE = 1e-12
@@ -87,7 +85,7 @@ class ErrorAdjoint:
         part: CondensedClass,
         moving: Array,
         stiffness_slopes: Array,
-        shifts: Sequence[Sequence[tuple[NDArray[np.int64], Array]]],
+        shifts: Sequence[Sequence[tuple[Integers, Array]]],
         loads: Sequence[Sequence[NodalLoads]],
     ) -> Array:
         """Derivatives (v, c, c) of the energies.

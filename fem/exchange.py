@@ -5,13 +5,12 @@ Fields are those of the finite elements, without correction for discretization: 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.summaries import summarized
+from crankbase.array_checks import Array
+from crankbase.summaries import frozen
 from fem.fillet_peaks import LoadedThrow, under_unit_loads, unit_loads
 from fem.material import Material
 from fem.solver import QUADRATURE_ORDER
@@ -26,11 +25,8 @@ from geometry.shapes import facet_keys
 if TYPE_CHECKING:
     from skfem import CellBasis, MeshTet2
 
-Array = NDArray[np.float64]
 
-
-@summarized("mesh.nelements", "basis.N")
-@dataclass(frozen=True, eq=False)
+@frozen("mesh.nelements", "basis.N", eq=False)
 class SkfemThrow:
     """A whole throw as scikit-fem's mesh, with its displacements under unit loads, ends pinned.
 

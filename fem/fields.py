@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from fem.fillet_peaks import LoadedThrow, fillet_surface, tangent_frames, throw_fillets
 from fem.material import Material
 from fem.solver import SharedSolver, assemble_stiffness
@@ -20,8 +20,6 @@ from fem.superelement import CondensedClass, Superelement, checked_superelement,
 from fem.symmetry import mirror_images, radial_directions, symmetry_classes, unit_pin_loads
 from geometry.mesh import ThrowMesh
 from geometry.throw import CrankThrow
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -99,8 +97,7 @@ STRAINING = 6
 BALANCED = 1e-6
 
 
-@summarized("name", "kind", "diameter [m]", "radius [m]")
-@dataclass(frozen=True, eq=False)
+@frozen("name", "kind", "diameter [m]", "radius [m]", eq=False)
 class StressedSite:
     """A fillet or an exit of an oil hole with its fields of stress.
 
@@ -130,8 +127,7 @@ class StressedSite:
     stress: Array
 
 
-@summarized("sites", "unknowns")
-@dataclass(frozen=True, eq=False)
+@frozen("sites", "unknowns", eq=False)
 class StressFields:
     """Fields of stress of a throw with one pin.
 
@@ -242,9 +238,7 @@ def stress_fields(mesh: ThrowMesh, throw: CrankThrow, material: Material) -> Str
     return StressFields(tuple(sites), whole, unit, int(mesh.points.size))
 
 
-def _places(
-    throw: CrankThrow, points: Array
-) -> Sequence[tuple[str, str, float, float, NDArray[np.bool_]]]:
+def _places(throw: CrankThrow, points: Array) -> Sequence[tuple[str, str, float, float, Flags]]:
     """Name, kind, diameter, radius and nodes of each fillet and each exit."""
     places = [
         (

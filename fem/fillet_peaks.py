@@ -22,17 +22,17 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from crankbase.array_checks import Array, Flags, Integers
 from crankbase.choices import check_choice
 from crankbase.diagrams import draw_groups, new_axes, write_title
-from crankbase.frames import grid, table
+from crankbase.frames import Axes, grid, table
 from crankbase.results import Number, Part, Quantity, Result, result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen, summarized
 from fem.correction import StressRecovery, stresses_at
 from fem.material import Material
 from fem.solver import SharedSolver, assemble_stiffness
@@ -51,13 +51,6 @@ from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
 from geometry.shapes import EDGES, element_volumes, quadrature, shapes_at_nodes, triangle_shapes_at
 from geometry.sizes import SizeMap, element_sizes, sizes_at_corners
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MIDDLE_PLANE, OIL_HOLE, RIGHT_END
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 
 # Places of xx, yy, zz, xy, yz, zx in the symmetric matrix.
 MATRIX = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -132,7 +125,7 @@ class SurfaceStress:
 def surface_stress(
     points: Array,
     facets: Integers,
-    wanted: NDArray[np.bool_],
+    wanted: Flags,
     displacement: Array,
     material: Material,
 ) -> SurfaceStress:
@@ -367,7 +360,7 @@ class Fillet:
     start: float
     end: float
 
-    def holds(self, points: Array) -> NDArray[np.bool_]:
+    def holds(self, points: Array) -> Flags:
         """Which points (n, 3) of the throw's fillets are on this one."""
         tolerance = PLACE_TOLERANCE * self.journal.radius
         reach = np.linalg.norm(points[:, :2] - self.journal.axis, axis=1)
@@ -655,7 +648,7 @@ class ReadingQuality(Result):
         return self.normal_share < LARGEST_NORMAL and self.spread <= LARGEST_SPREAD
 
 
-def on_crank_side(fillet: Fillet, points: Array) -> NDArray[np.bool_]:
+def on_crank_side(fillet: Fillet, points: Array) -> Flags:
     """Which points (n, 3) lie within 90 degrees of the crank plane, where journal and pin overlap."""
     axis = np.array(fillet.journal.axis)
     far = math.dist(fillet.web.foot, axis) > math.dist(fillet.web.tip, axis)
@@ -775,7 +768,7 @@ def _single_stresses(loaded: LoadedThrow, node: int, load: int) -> Array:
     return np.concatenate(singles)
 
 
-def _in_web(web: WebPlate, points: Array) -> NDArray[np.bool_]:
+def _in_web(web: WebPlate, points: Array) -> Flags:
     """Which points (n, 3) are in a web's plate between foot and tip, counterweight left out."""
     along = (points[:, :2] - web.foot) @ np.array(web.direction)
     height = (along > web.outline.foot) & (along < web.outline.tip)
@@ -811,7 +804,7 @@ class FilletSurface:
     nodes: Integers
     points: Array
     stress: Array
-    meshed: NDArray[np.bool_]
+    meshed: Flags
     normals: Array
 
 
@@ -971,8 +964,7 @@ class OilHolePeak(_Peak):
         return self.factor if self.load.kind in ("torsion", "bending", "cross bending") else None
 
 
-@summarized("peaks", "error_estimate", "accuracy", "sharp_corners")
-@dataclass(frozen=True)
+@frozen("peaks", "error_estimate", "accuracy", "sharp_corners")
 class FilletStresses:
     """Stresses at the fillets and at the exits of the oil holes of a throw.
 
@@ -1043,7 +1035,7 @@ class FilletStresses:
         loads = list({id(peak.load): None for peak in every})
         return sorted(every, key=lambda peak: loads.index(id(peak.load)))
 
-    def plot(self, axes: "Axes | None" = None, *, criterion: Criterion = "principal") -> "Axes":
+    def plot(self, axes: Axes | None = None, *, criterion: Criterion = "principal") -> Axes:
         """Draw the stress concentration factors, a color for each load.
 
         There is a group of bars for each fillet and for each exit of an oil hole.

@@ -25,19 +25,19 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import block_diag, eigh
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
+from crankbase.array_checks import Array, Flags, Integers, nonnegative_number, positive_number
 from crankbase.choices import is_number, whole_within
 from crankbase.diagrams import GRAY, new_axes
 from crankbase.errors import InputError, SolveError, quoted
-from crankbase.frames import table
-from crankbase.summaries import summarized
+from crankbase.frames import Axes, table
+from crankbase.summaries import frozen
 from fem.material import Material
 from fem.plots import draw_frequencies
 from fem.solver import (
@@ -71,12 +71,6 @@ from fem.symmetry import (
 )
 from geometry.mesh import ThrowMesh
 from geometry.shapes import element_volumes
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-Array = NDArray[np.float64]
 
 # A mode is taken if K x and w^2 M x differ by no more than this share of their size. Lanczos leaves
 # some 1e-11; a frequency's error goes with the square of its mode's.
@@ -164,7 +158,7 @@ class ClassProblem:
 
     symmetry: SymmetryClass
     nodes: int
-    free: NDArray[np.int64]
+    free: Integers
     stiffness: sparse.csr_array
     mass: sparse.csr_array
     shift: float
@@ -429,8 +423,7 @@ SHIFT_SHARE = 0.3
 NO_STIFFNESS = 1e-6
 
 
-@summarized("frequencies [Hz]", "symmetries", "solver")
-@dataclass(frozen=True)
+@frozen("frequencies [Hz]", "symmetries", "solver")
 class ThrowModes:
     """Elastic modes of an unsupported throw, by ascending frequency.
 
@@ -458,7 +451,7 @@ class ThrowModes:
     rigid_frequencies: Array = field(repr=False)
     solver: str
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the frequencies by their number, colored by the kind of motion."""
         axes = new_axes(axes, width=9.0)
         kinds = [name.partition(",")[0] for name in self.names]
@@ -576,13 +569,9 @@ def _check_mode_count(count: int | None, highest_frequency: float | None) -> Non
     if count is not None:
         reason = "higher modes have waves shorter than a throw's details"
         whole_within("count", count, 1, MOST_MODES, reason)
-    if highest_frequency is not None and not (
-        is_number(highest_frequency) and highest_frequency > 0.0
-    ):
-        raise InputError(
-            f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency above 0 "
-            "Hz, because a free throw has modes of any height."
-        )
+    if highest_frequency is not None:
+        reason = "a free throw has modes of any height"
+        positive_number("highest_frequency", highest_frequency, "Hz", reason)
 
 
 def _lowest_modes(
@@ -636,7 +625,7 @@ class FixedInterfaceShapes:
 
     symmetries: tuple[SymmetryClass, ...]
     squares: Array
-    natural: NDArray[np.bool_]
+    natural: Flags
     shapes: Array
     coupling: Array
     pin_loads: Array
@@ -750,8 +739,7 @@ def shapes_of_throw(
 CUTOFF_FACTOR = 1.5
 
 
-@summarized("frequencies [Hz]", "stiffness", "highest_frequency [Hz]")
-@dataclass(frozen=True)
+@frozen("frequencies [Hz]", "stiffness", "highest_frequency [Hz]")
 class DynamicSuperelement:
     """A throw condensed to 2 n motions of its end sections and m amplitudes of internal shapes.
 
@@ -822,36 +810,13 @@ class DynamicSuperelement:
             pin_loads=change @ self.pin_loads,
         )
 
-    def with_modes(self, count: int) -> "DynamicSuperelement":
-        """Return Craig's and Bampton's superelement of the lowest natural modes; of none, Guyan's.
-
-        Corrections are left out.
-
-        Raises
-        ------
-        InputError
-            If it has fewer natural modes.
-        """
-        whole_within("count", count, 0, self.natural, "the superelement has no more natural modes")
-        kept = slice(0, 2 * self.sections.count + count)
-        return replace(
-            self,
-            stiffness=self.stiffness[kept, kept],
-            mass=self.mass[kept, kept],
-            pin_loads=self.pin_loads[:, kept],
-            frequencies=self.frequencies[:count],
-            natural=count,
-            symmetries=self.symmetries[:count],
-            shapes=self.shapes[:, :, :count],
-        )
-
     @property
     def kinds(self) -> tuple[str, ...]:
         """Kind of each shape: "natural mode" or "correction"."""
         corrections = len(self.frequencies) - self.natural
         return ("natural mode",) * self.natural + ("correction",) * corrections
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the frequencies of the shapes, with the highest frequency of the superelement."""
         axes = new_axes(axes)
         draw_frequencies(
@@ -921,11 +886,8 @@ def dynamic_superelement(
     SolveError
         If the modes cannot be found.
     """
-    if not (is_number(highest_frequency) and highest_frequency >= 0.0):
-        raise InputError(
-            f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency from 0 Hz, "
-            "because modes are kept in proportion to it."
-        )
+    reason = "modes are kept in proportion to it"
+    nonnegative_number("highest_frequency", highest_frequency, "Hz", reason)
     if not (is_number(cutoff_factor) and cutoff_factor >= 1.0):
         raise InputError(
             f"cutoff_factor: given {quoted(cutoff_factor)}; allowed is a finite number from 1, because modes "

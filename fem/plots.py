@@ -1,22 +1,18 @@
 """Compliances of a throw over the angle between neighboring cranks."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.diagrams import BLUE, COLORS, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes
 from crankbase.quantity import percent
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
-
-def draw_frequencies(
-    axes: "Axes", frequencies: NDArray[np.float64], kinds: Sequence[str], title: str
-) -> None:
+def draw_frequencies(axes: Axes, frequencies: Array, kinds: Sequence[str], title: str) -> None:
     """Draw a stem for each frequency, colored by its kind.
 
     Parameters
@@ -42,7 +38,6 @@ def draw_frequencies(
         axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
-Array = NDArray[np.float64]
 Compliance = Literal["axial_compliance", "torsional_compliance", "influence_coefficient"]
 
 ANGLE_LABEL = r"angle between neighboring cranks $\gamma$ [deg]"
@@ -73,7 +68,7 @@ def check_compliance(quantity: str) -> Compliance:
     )
 
 
-def draw_supports(axes: "Axes", bounds: Mapping[str, float]) -> None:
+def draw_supports(axes: Axes, bounds: Mapping[str, float]) -> None:
     """Draw a line across the axes for each support's value [SI], with its name."""
     for text, value in bounds.items():
         axes.axhline(value * SHOWN, color="black", linewidth=0.8, linestyle=":")
@@ -82,7 +77,7 @@ def draw_supports(axes: "Axes", bounds: Mapping[str, float]) -> None:
         )
 
 
-def angle_axis(axes: "Axes") -> None:
+def angle_axis(axes: Axes) -> None:
     """Give the axes the angle from 0 to 180 deg, and its name."""
     axes.set_xlim(0.0, 180.0)
     axes.set_xticks(np.arange(0, 181, 30))
@@ -90,12 +85,12 @@ def angle_axis(axes: "Axes") -> None:
 
 
 def plot_compliance(
-    axes: "Axes | None",
+    axes: Axes | None,
     values: Array,
     bounds: Mapping[str, float],
     quantity: Compliance,
     error: float | None,
-) -> "Axes":
+) -> Axes:
     """Draw a throw's compliance over the angle to equal neighbors.
 
     Parameters

@@ -26,12 +26,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from crankbase.array_checks import Array, Integers
 from crankbase.errors import InputError, SolveError
 from fem.material import Material
 from fem.symmetry import rigid_motions
 from geometry.shapes import jacobians, shapes_for_quadrature
-
-Array = NDArray[np.float64]
 
 # Four points integrate the stiffness of a straight element exactly; on curved ones the error is far
 # below that of the mesh.
@@ -90,7 +89,7 @@ def _cross(left: Array, other: Array, product: Array) -> None:
 
 
 def element_stiffnesses(
-    points: Array, elements: NDArray[np.int64], material: Material
+    points: Array, elements: Integers, material: Material
 ) -> Iterator[tuple[slice, Array]]:
     """Yield the stiffness of elements between each two of their nodes, in batches.
 
@@ -131,7 +130,7 @@ def element_stiffnesses(
 
 
 def element_masses(
-    points: Array, elements: NDArray[np.int64], density: float
+    points: Array, elements: Integers, density: float
 ) -> Iterator[tuple[slice, Array]]:
     """Yield mass matrices of curved 10-node tetrahedra in batches.
 
@@ -159,7 +158,7 @@ def element_masses(
         yield batch, (determinants @ weighted).reshape(-1, 10, 10)
 
 
-def _batches(elements: NDArray[np.int64]) -> Iterator[slice]:
+def _batches(elements: Integers) -> Iterator[slice]:
     for start in range(0, len(elements), CHUNK):
         yield slice(start, min(start + CHUNK, len(elements)))
 
@@ -201,7 +200,7 @@ class NodeBlocks:
 
     indptr: NDArray[np.int32]
     indices: NDArray[np.int32]
-    places: NDArray[np.int64]
+    places: Integers
 
     def of(self, upper: sparse.csr_array) -> BlockMatrix:
         """Return a matrix of the pattern, given by its upper triangle, by blocks."""
@@ -249,9 +248,7 @@ def node_blocks(upper: sparse.csr_array) -> NodeBlocks | None:
     )
 
 
-def assemble_stiffness(
-    points: NDArray[np.float64], elements: NDArray[np.int64], material: Material
-) -> sparse.csr_array:
+def assemble_stiffness(points: Array, elements: Integers, material: Material) -> sparse.csr_array:
     """Assemble the upper triangle of the stiffness matrix.
 
     Parameters
@@ -291,9 +288,7 @@ def assemble_stiffness(
     return upper_triangle(whole)
 
 
-def assemble_mass(
-    points: NDArray[np.float64], elements: NDArray[np.int64], density: float
-) -> sparse.csr_array:
+def assemble_mass(points: Array, elements: Integers, density: float) -> sparse.csr_array:
     """Assemble the upper triangle of the consistent mass matrix.
 
     Parameters
@@ -332,14 +327,14 @@ def upper_triangle(matrix: sparse.csr_array) -> sparse.csr_array:
     )
 
 
-def symmetric_product(upper: sparse.csr_array, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def symmetric_product(upper: sparse.csr_array, vectors: Array) -> Array:
     """Multiply a symmetric matrix, given by its upper triangle, with vectors (n,) or (n, k)."""
     diagonal = _diagonal(upper)
     scaled = diagonal * vectors if vectors.ndim == 1 else diagonal[:, None] * vectors
     return np.asarray(upper @ vectors + upper.T @ vectors - scaled)
 
 
-def _diagonal(upper: sparse.csr_array) -> NDArray[np.float64]:
+def _diagonal(upper: sparse.csr_array) -> Array:
     """Diagonal of an upper triangle; mostly each row begins with its entry."""
     count, starts = upper.shape[0], upper.indptr[:-1]
     if np.diff(upper.indptr).all() and np.array_equal(upper.indices[starts], np.arange(count)):

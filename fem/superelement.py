@@ -10,18 +10,18 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.linalg import block_diag, null_space, qr
 
-from crankbase.array_checks import finite_vector, refuse_crank_radians
+from crankbase.array_checks import Array, Flags, Integers, finite_vector, refuse_crank_radians
 from crankbase.choices import check_choice, check_kind
 from crankbase.diagrams import display_unit, draw_groups, draw_matrix, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.frames import grid, table
+from crankbase.frames import Axes, grid, table
 from crankbase.results import Internal, Quantity, Result, result
 from fem.solver import (
     SharedSolver,
@@ -51,12 +51,6 @@ from fem.symmetry import (
 )
 from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
-
 
 EndSections = Literal["rigid", "averaged"]
 END_SECTIONS = ("rigid", "averaged")
@@ -110,7 +104,7 @@ class CondensedClass:
     stiffness: Array
     fields: Array
     pin_loads: Array
-    pin_components: NDArray[np.int64]
+    pin_components: Integers
     pin_fields: Array
     pin_flexibility: Array
     solver: str
@@ -175,8 +169,8 @@ class HeldEnds:
         Allowed motion of the end sections.
     """
 
-    free: NDArray[np.int64]
-    ends: NDArray[np.int64]
+    free: Integers
+    ends: Integers
     inner: sparse.csr_array
     coupling: sparse.csr_array
     between_ends: sparse.csr_array
@@ -235,10 +229,7 @@ def condense(
     SolveError
         If the system cannot be solved, or its solutions fail the check of reciprocity.
     """
-    if end_sections not in END_SECTIONS:
-        raise InputError(
-            f'end_sections: given {end_sections!r}; allowed are "rigid" and "averaged".'
-        )
+    check_choice("end_sections", end_sections, END_SECTIONS, "they move in one of these ways")
     pin_loads, components = _pin_loads(mesh, pins, symmetry)
     shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver)
     # The meshed part carries its share of a load on the whole pin.
@@ -312,7 +303,7 @@ def section_ring(surfaces: Sequence[LoadedSurface], points: Array) -> tuple[floa
     return radius, radius * math.sqrt(hollow) if hollow > HOLLOW else 0.0
 
 
-def _end_unknowns(mesh: ThrowMesh, symmetry: SymmetryClass) -> NDArray[np.int64]:
+def _end_unknowns(mesh: ThrowMesh, symmetry: SymmetryClass) -> Integers:
     """Displacements, of 3 n, of the nodes on the meshed end sections."""
     nodes = np.concatenate([nodes_on(mesh, section) for section in end_sections(symmetry)])
     return (3 * nodes[:, None] + np.arange(3)).ravel()
@@ -320,7 +311,7 @@ def _end_unknowns(mesh: ThrowMesh, symmetry: SymmetryClass) -> NDArray[np.int64]
 
 def _pin_loads(
     mesh: ThrowMesh, pins: Sequence[NodalLoads], symmetry: SymmetryClass
-) -> tuple[Array, NDArray[np.int64]]:
+) -> tuple[Array, Integers]:
     """Loads (3 n, a) of the class, whose work is that on the whole throw, and what they are (a, 2)."""
     carried = np.flatnonzero(symmetry.central_motions)
     components = np.array(
@@ -333,9 +324,7 @@ def _pin_loads(
     return loads.reshape(3 * len(mesh.points), len(components)), components
 
 
-def blocked_unknowns(
-    mesh: ThrowMesh, symmetry: SymmetryClass, ends: bool = True
-) -> NDArray[np.bool_]:
+def blocked_unknowns(mesh: ThrowMesh, symmetry: SymmetryClass, ends: bool = True) -> Flags:
     """Which displacements (n, 3) the cuts block, and the end sections if `ends`."""
     blocked = np.zeros((len(mesh.points), 3), dtype=bool)
     for surface, axes in symmetry.blocked_axes().items():
@@ -380,7 +369,7 @@ def unit_end_motions(
     symmetry: SymmetryClass,
     sections: SectionMotions = RIGID,
     shift: Array | None = None,
-) -> list[tuple[NDArray[np.int64], Array]]:
+) -> list[tuple[Integers, Array]]:
     """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) for unit amplitudes.
 
     With a `shift` (n, 3) nodes are so far from their places [m].
@@ -396,7 +385,7 @@ def unit_end_motions(
     return columns
 
 
-def uncoupled(upper: sparse.csr_array, blocked: NDArray[np.bool_]) -> sparse.csr_array:
+def uncoupled(upper: sparse.csr_array, blocked: Flags) -> sparse.csr_array:
     """Let blocked unknowns (f,) stay zero; the pattern (f, f) stays what it is in all classes."""
     rows = np.repeat(np.arange(upper.shape[0]), np.diff(upper.indptr))
     cut = (blocked[rows] | blocked[upper.indices]) & (rows != upper.indices)
@@ -458,7 +447,7 @@ def _end_loads(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:
     return np.hstack(columns)
 
 
-def nodes_on(mesh: ThrowMesh, surface: str) -> NDArray[np.int64]:
+def nodes_on(mesh: ThrowMesh, surface: str) -> Integers:
     """Nodes (corners and edge middles) on one of the end sections or plane cuts."""
     axis, position = {
         LEFT_END: (2, 0.0),
@@ -722,10 +711,10 @@ class ShaftCompliances(Result):
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         quantity: Literal["axial", "torsional", "through", "influence", "tangential"] = "axial",
-    ) -> "Axes":
+    ) -> Axes:
         """Draw one of the attributes: bars by throw, or a table colored by value.
 
         Parameters
@@ -813,7 +802,7 @@ def sharing_sections(throws: Sequence[Superelement]) -> list[Superelement]:
     return [throw.shared_with(widest) for throw in joined]
 
 
-def shaft_unknowns(place: int, throws: int, bending: int) -> NDArray[np.int64]:
+def shaft_unknowns(place: int, throws: int, bending: int) -> Integers:
     """Unknowns of a throw by its index in a row: sections of six, then the motions beyond them."""
     beyond = 6 * (throws + 1) + bending * place
     return np.concatenate([6 * place + np.arange(12), beyond + np.arange(2 * bending)])
@@ -885,7 +874,7 @@ def solve_shaft(
     return _solve(stiffness, balanced, blocked)
 
 
-def _solve(stiffness: Array, loads: Array, blocked: NDArray[np.bool_]) -> Array:
+def _solve(stiffness: Array, loads: Array, blocked: Flags) -> Array:
     motions = np.zeros_like(loads, dtype=np.float64)
     motions[~blocked] = np.linalg.solve(stiffness[np.ix_(~blocked, ~blocked)], loads[~blocked])
     return motions

@@ -7,9 +7,10 @@ from functools import cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import block_diag, pinvh, solve_banded
 
+from crankbase.array_checks import Array, Integers
 from crankbase.choices import is_number, whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.results import Internal, Quantity, Result, result
@@ -17,8 +18,6 @@ from fem.end_reactions import LARGEST_LOAD, EndReaction, Reactions, motion_table
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, CondensedClass, Superelement, section_rotation
 from fem.symmetry import RADIAL, Distribution, NodalLoads, pin_load, pin_surfaces
 from geometry.mesh import ThrowMesh
-
-Array = NDArray[np.float64]
 
 LONGEST_CHAIN = 64
 # Softer than this share of the stiffest is a motion of a class that was not solved.
@@ -150,7 +149,7 @@ def reactions(throw: Superelement, support: Support, load: Array) -> Reactions:
     )
 
 
-def free_motions(ends: Array, support: str) -> NDArray[np.int64]:
+def free_motions(ends: Array, support: str) -> Integers:
     """Which of some motions of both end sections a support leaves free.
 
     Parameters
@@ -173,7 +172,7 @@ def free_motions(ends: Array, support: str) -> NDArray[np.int64]:
 
 
 @cache
-def _free_ends(support: str) -> NDArray[np.int64]:
+def _free_ends(support: str) -> Integers:
     return free_motions(np.eye(12), support)
 
 
@@ -319,20 +318,12 @@ def class_axial_compliances(part: CondensedClass, support: str) -> tuple[float, 
     return float(lengthening @ pull), float(lengthening @ part.pin_loads[0, :, :3] @ RADIAL)
 
 
-def axial_motion(part: CondensedClass, support: str) -> NDArray[np.float64]:
+def axial_motion(part: CondensedClass, support: str) -> Array:
     """Amplitudes (k,) of the class under a unit axial force; arguments as for `class_axial_compliances`."""
     return unit_response(part, support, STRETCH @ part.symmetry.ends)
 
 
-def class_torsional_compliance(part: CondensedClass, support: str) -> float:
-    """Torsional compliance [rad/(N m)] from the meshed part's `fem.symmetry.torsional_class`."""
-    torque = TWIST @ part.symmetry.ends
-    return float(unit_response(part, support, torque) @ torque)
-
-
-def unit_response(
-    part: CondensedClass, support: str, load: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def unit_response(part: CondensedClass, support: str, load: Array) -> Array:
     """Amplitudes (k,) of the supported class under a load (k,) that does work on its unit motions.
 
     Multiplied with a second load they are, by reciprocity, also the motion of the first one under that.

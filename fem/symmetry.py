@@ -23,10 +23,11 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import block_diag
 
+from crankbase.array_checks import Array, Flags, Integers
+from crankbase.choices import check_choice
 from crankbase.errors import InputError, quoted
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.mesher import Throw
@@ -55,7 +56,7 @@ class MirrorImage:
     length: float
 
     @property
-    def motion_signs(self) -> NDArray[np.float64]:
+    def motion_signs(self) -> Array:
         """Signs (6,) of mirrored displacements and rotations."""
         signs = np.ones(6)
         if self.across_crank:
@@ -65,7 +66,7 @@ class MirrorImage:
         return signs
 
     @property
-    def signs(self) -> NDArray[np.float64]:
+    def signs(self) -> Array:
         """Signs (3,) of mirrored displacements."""
         return self.motion_signs[:3]
 
@@ -74,7 +75,7 @@ class MirrorImage:
         """Whether a single mirror has inverted elements and facets."""
         return self.across_crank != self.across_middle
 
-    def points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def points(self, points: Array) -> Array:
         """Places (n, 3) of the image of points of the meshed part [m]."""
         shift = np.array([0.0, 0.0, self.length if self.across_middle else 0.0])
         return np.asarray(points * self.signs + shift)
@@ -105,12 +106,12 @@ class SymmetryClass:
         return int(2 ** (abs(self.crank_plane) + abs(self.middle_plane)))
 
     @property
-    def end_unknowns(self) -> NDArray[np.int64]:
+    def end_unknowns(self) -> Integers:
         """The unknowns (of ux uy uz rx ry rz) that an end section has in this class."""
         return np.flatnonzero(self.crank_plane * MIRROR_X >= 0.0)
 
     @property
-    def ends(self) -> NDArray[np.float64]:
+    def ends(self) -> Array:
         """Motions (12, k) of both end sections for unit amplitudes of the class.
 
         The left end's unknowns, which the right end mirrors if the middle plane is a cut and has
@@ -118,9 +119,7 @@ class SymmetryClass:
         """
         return self.unit_motions(MIRROR_X, MIRROR_Z)
 
-    def unit_motions(
-        self, mirror_x: NDArray[np.float64], mirror_z: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def unit_motions(self, mirror_x: Array, mirror_z: Array) -> Array:
         """Motions (2 n, k) of both end sections as of `ends`, for n motions of a section.
 
         Parameters
@@ -134,12 +133,12 @@ class SymmetryClass:
         return np.asarray(np.kron(np.eye(2), left), dtype=np.float64)
 
     @property
-    def shares(self) -> NDArray[np.float64]:
+    def shares(self) -> Array:
         """Amplitudes (k, 12) of the class in unit motions of both end sections."""
         return amplitude_shares(self.ends)
 
     @property
-    def central_motions(self) -> NDArray[np.bool_]:
+    def central_motions(self) -> Flags:
         """Which motions (6,) of a point on all cuts the class has: along and about x, y, z."""
         return (self.crank_plane * MIRROR_X >= 0.0) & (self.middle_plane * MIRROR_Z >= 0.0)
 
@@ -158,7 +157,7 @@ class SymmetryClass:
         return blocked
 
 
-def amplitude_shares(ends: NDArray[np.float64]) -> NDArray[np.float64]:
+def amplitude_shares(ends: Array) -> Array:
     """Amplitudes (k, m) of unit motions `ends` (m, k), which are orthogonal, in motions of the ends."""
     return np.asarray(ends.T / np.sum(ends**2, axis=0)[:, None])
 
@@ -178,13 +177,6 @@ def axial_class(part: str) -> SymmetryClass:
     return SymmetryClass(*CUTS[part])
 
 
-def torsional_class(part: str) -> SymmetryClass:
-    """Return the class that a torque excites; that of the axial force in a throw that is not cut."""
-    crank_plane, middle_plane = CUTS[part]
-    return SymmetryClass(-crank_plane, -middle_plane)
-
-
-Array = NDArray[np.float64]
 Sections = Literal["rigid", 1, 2, 4]
 SECTIONS: tuple[Sections, ...] = ("rigid", 1, 2, 4)
 # What throws share where they meet, unless another is asked for.
@@ -348,7 +340,7 @@ def _signs(odd: Array, coefficients: Array) -> Array:
     return np.asarray(1.0 - 2.0 * (np.asarray(odd, dtype=np.int64)[first] % 2))
 
 
-def _monomials(terms: NDArray[np.int64], places: Array) -> Array:
+def _monomials(terms: Integers, places: Array) -> Array:
     """Displacements (q, 3, t) of monomials (axis, a, b) at places (q, 2)."""
     axes, first, second = terms.T
     monomials = np.zeros((len(places), 3, len(terms)))
@@ -379,7 +371,7 @@ def _ring(bore: float) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=KEPT)
-def _basis(degree: int, bore: float) -> tuple[NDArray[np.int64], Array]:
+def _basis(degree: int, bore: float) -> tuple[Integers, Array]:
     """Monomials (t, 3) and their coefficients (t, b) in the motions beyond the rigid ones, radius one."""
     terms = np.array(
         [
@@ -406,7 +398,7 @@ def _basis(degree: int, bore: float) -> tuple[NDArray[np.int64], Array]:
     return terms, known[:, RIGID_COUNT:]
 
 
-def _rigid_coefficients(terms: NDArray[np.int64], products: Array) -> Array:
+def _rigid_coefficients(terms: Integers, products: Array) -> Array:
     """Coefficients (t, 6) of the rigid motions, of unit mean square; none (t, 6) of degree 0."""
     place = {tuple(term): number for number, term in enumerate(terms.tolist())}
     coefficients = np.zeros((len(terms), RIGID_COUNT))
@@ -452,13 +444,13 @@ class LoadedSurface:
         Forces and moments of the tractions that move with unit rigid motions of the surface.
     """
 
-    nodes: NDArray[np.int64]
+    nodes: Integers
     center: Array
     places: Array
     areas: Array
     shares: sparse.csr_array
     images: tuple[MirrorImage, ...]
-    triangles: NDArray[np.int64]
+    triangles: Integers
     resultants: Array
 
     def at(self, points: Array, images: tuple[MirrorImage, ...]) -> "LoadedSurface":
@@ -508,7 +500,7 @@ class NodalLoads:
         For c load cases, on the nodes of each image along the axes of the throw.
     """
 
-    nodes: NDArray[np.int64]
+    nodes: Integers
     images: tuple[MirrorImage, ...]
     values: Array
 
@@ -580,10 +572,7 @@ def pin_load(
     InputError
         If the distribution is neither.
     """
-    if distribution not in DISTRIBUTIONS:
-        raise InputError(
-            f'distribution: given {distribution!r}; allowed are "uniform" and "cosine".'
-        )
+    check_choice("distribution", distribution, DISTRIBUTIONS, "a load is spread by one of them")
     wanted = np.concatenate([force, moment])
     if distribution == "uniform":
         tractions = surface.uniform(wanted)
@@ -604,7 +593,7 @@ def pin_load(
     return NodalLoads(surface.nodes, surface.images, surface.nodal(tractions)[..., None])
 
 
-def uniform_pin_loads(mesh: ThrowMesh) -> NDArray[np.float64]:
+def uniform_pin_loads(mesh: ThrowMesh) -> Array:
     """Share of each node in a unit force spread uniformly over the meshed surface of each pin.
 
     Returns
@@ -620,7 +609,7 @@ def uniform_pin_loads(mesh: ThrowMesh) -> NDArray[np.float64]:
     return shares
 
 
-def radial_directions(throw: Throw) -> NDArray[np.float64]:
+def radial_directions(throw: Throw) -> Array:
     """Directions (pins, 3) from each pin's axis to the shaft."""
     axes = np.array([(*axis, 0.0) for axis in throw.pin_axes])
     return np.asarray(-axes / np.linalg.norm(axes, axis=1)[:, None])
@@ -667,9 +656,7 @@ def _resultants(surface: LoadedSurface, tractions: list[Array]) -> Array:
     return total
 
 
-def _surface(
-    mesh: ThrowMesh, corners: NDArray[np.int64], images: tuple[MirrorImage, ...]
-) -> LoadedSurface:
+def _surface(mesh: ThrowMesh, corners: Integers, images: tuple[MirrorImage, ...]) -> LoadedSurface:
     triangles = six_node_triangles(mesh, corners)
     values, _ = triangle_shapes_at(FACET_RULE[0])
     nodes, number = np.unique(triangles, return_inverse=True)

@@ -4,16 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from fem.superelement import nodes_on
 from fem.symmetry import CUTS, MirrorImage, mirror_images
 from geometry.mesh import ThrowMesh
 from geometry.mesh_exchange import surface_triangles
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Nodes of a six-node triangle seen from its other side, and of a tetrahedron whose mirror image would be
 # inside out.

@@ -2,20 +2,20 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from dataclasses import KW_ONLY, field
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import model_validator
 
-from crankbase.array_checks import finite_vector, refuse_crank_radians
+from crankbase.array_checks import Array, finite_vector, refuse_crank_radians
 from crankbase.calls import ProcessLostError
 from crankbase.choices import check_kind
 from crankbase.errors import InputError, MeshError
+from crankbase.frames import Axes
 from crankbase.model import InputModel, length_field
 from crankbase.quantity import format_quantity
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from geometry.gmsh_session import gmsh_errors, shared_process
 from geometry.mass import (
     MassProperties,
@@ -30,9 +30,6 @@ from geometry.mesh import SOLID_VOLUME_TOLERANCE, SolidProperties, built_solid, 
 from geometry.mesher import TIME_LIMIT
 from geometry.solid import Entity, make_solid, remove_loose
 from geometry.throw import CrankThrow
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 class ShaftEnds(InputModel):
@@ -80,8 +77,7 @@ class ShaftEnds(InputModel):
         return self
 
 
-@summarized("throws", "crank_angles_deg [deg]", "length [m]")
-@dataclass(frozen=True)
+@frozen("throws", "crank_angles_deg [deg]", "length [m]")
 class Crankshaft:
     """A crankshaft of throws in a row.
 
@@ -157,7 +153,7 @@ class Crankshaft:
         )
 
     @property
-    def starts(self) -> NDArray[np.float64]:
+    def starts(self) -> Array:
         """Left end of each throw along the shaft, and the last one's right end (n + 1,) [m]."""
         return np.array(throw_starts(self.throws))
 
@@ -217,7 +213,7 @@ class Crankshaft:
         """Static and dynamic unbalance, moments about the middle of the throws."""
         return unbalance(self.masses(density), 0.5 * float(self.starts[-1]))
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the side view to scale, each throw at its crank angle with its number below."""
         from geometry.plots.throw_plot import plot_throws
 

@@ -14,8 +14,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.calls import CallProcess, Limits, answered
 from crankbase.errors import InputError, MeshError, MissingLibraryError
 from crankbase.processes import start_child
@@ -171,7 +171,7 @@ def forget_array_types() -> None:
             kept.pop(kind, None)
 
 
-def middle_point(gmsh: Any, dimension: int, tag: int) -> NDArray[np.float64]:
+def middle_point(gmsh: Any, dimension: int, tag: int) -> Array:
     """Return a point on a curve or surface, in the middle of its parameters."""
     middle = _middle_parameters(gmsh, dimension, tag)
     return np.asarray(gmsh.model.getValue(dimension, tag, middle), dtype=float)

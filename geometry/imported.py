@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError
 from crankbase.input_file import not_a_file
 from crankbase.sentences import with_sentences
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from geometry.gmsh_session import IsolatedProcess, gmsh_errors, gmsh_session, shared_process
 from geometry.mesh import (
     MeshingStrategy,
@@ -52,15 +52,13 @@ NODES_PER_FACE = 2.5
 # Of rounded edges, with the nodes that their small elements bring with them on both sides.
 NODES_PER_ROUNDED_FACE = 10.0
 LAYERS = 100
-Array = NDArray[np.float64]
 # Seconds for reading a part; one of a hundred faces takes a fifth of a second.
 TIME_LIMIT = 300.0
 MOST_NAMES = 20
 
 
 @with_sentences
-@summarized("path", "length [m]", "pins", "volume [m^3]", "remarks")
-@dataclass(frozen=True)
+@frozen("path", "length [m]", "pins", "volume [m^3]", "remarks")
 class ImportedThrow:
     """A throw whose shape is in a STEP file.
 

@@ -5,14 +5,12 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.results import Internal, Quantity, Result, result
 from geometry.mesh import SolidProperties, ThrowMesh
-from geometry.shapes import element_quadrature
 
 # [kg/m^3] No body is denser by far.
 LARGEST_DENSITY = 1e6
@@ -23,8 +21,8 @@ class MassProperties(Result):
     """Mass properties of a throw in the throw frame."""
 
     mass: Annotated[float, Quantity("kg")]
-    center: Annotated[FloatArray, Quantity("m", "center of mass (3,)")]
-    inertia: Annotated[FloatArray, Quantity("kg m^2", "about the center of mass (3, 3)")]
+    center: Annotated[Array, Quantity("m", "center of mass (3,)")]
+    inertia: Annotated[Array, Quantity("kg m^2", "about the center of mass (3, 3)")]
 
     @property
     def inertia_about_shaft(self) -> float:
@@ -93,34 +91,12 @@ def mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
 def solid_mass_properties(
     solid: SolidProperties, part: str, length: float, density: float
 ) -> MassProperties:
-    """Mass properties of the whole throw from the solid of a part of it."""
-    return _whole_throw_mass(
-        part, length, solid.volume, solid.center, solid.second_moments, density
-    )
-
-
-def mesh_mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
-    """Mass properties like those of `mass_properties`, but integrated over the elements, as a check."""
-    where, volumes = element_quadrature(mesh.points, mesh.elements)
-    volume = float(volumes.sum())
-    center = volumes @ where / volume
-    second = np.einsum("p,pi,pj->ij", volumes, where - center, where - center)
-    return _whole_throw_mass(mesh.part, mesh.length, volume, center, second, density)
-
-
-def _whole_throw_mass(
-    part: str,
-    length: float,
-    volume: float,
-    center: NDArray[np.float64],
-    second: NDArray[np.float64],
-    density: float,
-) -> MassProperties:
-    """Return the whole throw's mass properties from a part's integrals by mirroring."""
+    """Mass properties of the whole throw from the solid of a part of it, by mirroring."""
     check_density(density)
     # About a point on the planes of symmetry, so that mirrored products cancel.
     origin = np.array([0.0, 0.0, length / 2.0])
-    second = second + volume * np.outer(center - origin, center - origin)
+    center = solid.center - origin
+    second = solid.second_moments + solid.volume * np.outer(center, center)
     copies = np.ones(3)
     if part in ("quarter", "half"):
         copies[0] = 0.0
@@ -128,9 +104,9 @@ def _whole_throw_mass(
         copies[2] = 0.0
     number = {"quarter": 4.0, "half": 2.0, "full": 1.0}[part]
     mirrored = np.outer(copies, copies) + np.diag(1.0 - copies)
-    mass = number * volume * density
+    mass = number * solid.volume * density
     second = number * density * second * mirrored
-    center = (center - origin) * copies
+    center = center * copies
     second -= mass * np.outer(center, center)
     return MassProperties(mass, center + origin, np.trace(second) * np.eye(3) - second)
 
@@ -143,9 +119,9 @@ class Unbalance(Result):
     and y axes, at the point `about` of the shaft [m].
     """
 
-    static: Annotated[FloatArray, Quantity("kg m", "integral of (x, y) over the mass (2,)")]
+    static: Annotated[Array, Quantity("kg m", "integral of (x, y) over the mass (2,)")]
     dynamic: Annotated[
-        FloatArray, Quantity("kg m^2", "integral of (x, y) (z - about) over the mass (2,)")
+        Array, Quantity("kg m^2", "integral of (x, y) (z - about) over the mass (2,)")
     ]
     about: Internal[float] = math.nan
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.shapes import FACETS, facet_keys
 
@@ -16,7 +16,7 @@ FIELD_WIDTH = 20  # characters of a number that CalculiX and Abaqus read
 ENTRIES_PER_LINE = 16
 
 
-def surface_triangles(mesh: ThrowMesh) -> dict[str, NDArray[np.int64]]:
+def surface_triangles(mesh: ThrowMesh) -> dict[str, Integers]:
     """Return the facets (t, 6) of each surface that has any: corners, then the middles of 01 12 02."""
     surfaces = {name: corners for name, corners in mesh.surfaces.items() if len(corners)}
     return {name: six_node_triangles(mesh, corners) for name, corners in surfaces.items()}
@@ -28,10 +28,10 @@ def set_name(surface: str) -> str:
 
 
 def meshio_mesh(
-    points: NDArray[np.float64],
-    elements: NDArray[np.int64],
-    surfaces: Mapping[str, NDArray[np.int64]],
-    point_data: Mapping[str, NDArray[np.float64]],
+    points: Array,
+    elements: Integers,
+    surfaces: Mapping[str, Integers],
+    point_data: Mapping[str, Array],
 ) -> Any:
     """Return a mesh as meshio's, with a flag for each named surface.
 
@@ -75,9 +75,7 @@ def number_field(value: float) -> str:
     return text if len(text) <= FIELD_WIDTH else f"{value:.12e}"
 
 
-def inp_nodes_and_elements(
-    points: NDArray[np.float64], elements: NDArray[np.int64], name: str
-) -> Iterator[str]:
+def inp_nodes_and_elements(points: Array, elements: Integers, name: str) -> Iterator[str]:
     """Lines of the nodes, in the set MESH, and of the elements (C3D10), in a set of that name."""
     yield "*NODE, NSET=MESH"
     for number, place in enumerate(points.tolist(), start=1):

@@ -22,12 +22,11 @@ from itertools import pairwise
 from typing import Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
 
-Array = NDArray[np.float64]
 Point = tuple[float, float]
 
 # Points round a hole, where integrands are periodic, and across its rounding.
@@ -254,7 +253,7 @@ class DrillingExit:
         hole = self.drilling
         return max(hole.exit_radius, SMALL_EXIT * hole.radius) if hole.exit_radius else hole.radius
 
-    def holds(self, points: Array) -> NDArray[np.bool_]:
+    def holds(self, points: Array) -> Flags:
         """Which points (n, 3) of the throw's fillets and oil holes are at this exit.
 
         The hole's wall to a depth of its diameter is part of it.

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from geometry.parts import (
     Cylinder,
     Drilling,
@@ -22,8 +22,6 @@ from geometry.parts import (
 )
 from geometry.shapes import outer_facets
 from geometry.solid import BORE, OIL_HOLE, Zone
-
-Array = NDArray[np.float64]
 
 # Element sizes at factor 1, found by converging ordinary throws: at fillets beside their radius and,
 # for large fillets, beside the web thickness; at sharp corners beside the web thickness; and how much
@@ -255,7 +253,7 @@ class SizeMap:
     """
 
     points: Array
-    tetrahedra: NDArray[np.int64]
+    tetrahedra: Integers
     sizes: Array
     first_factor: float = 1.0
 
@@ -273,14 +271,14 @@ class SizeMap:
         return round(3.0 * (NODES_PER_ELEMENT * elements + NODES_PER_FACET * facets))
 
 
-def element_sizes(points: Array, tetrahedra: NDArray[np.int64]) -> Array:
+def element_sizes(points: Array, tetrahedra: Integers) -> Array:
     """Edges (m,) of regular tetrahedra with the volumes of these straight ones (m, 4) [m]."""
     corners = points[tetrahedra]
     volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
     return np.asarray(np.cbrt(volumes / regular_volume(np.ones(1))))
 
 
-def sizes_at_corners(points: Array, tetrahedra: NDArray[np.int64], sizes: Array) -> SizeMap:
+def sizes_at_corners(points: Array, tetrahedra: Integers, sizes: Array) -> SizeMap:
     """Size map of sizes (m,) of elements (m, 4): at each corner the geometric mean of those round it."""
     vertices, number = np.unique(tetrahedra, return_inverse=True)
     number = number.reshape(tetrahedra.shape)

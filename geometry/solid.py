@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array
 from crankbase.errors import MeshError
 from geometry.gmsh_session import curvature_radius, middle_point
 from geometry.parts import (
@@ -169,15 +170,13 @@ def on_drilling(gmsh: Any, parts: ThrowParts, kind: str, tag: int, point: ArrayL
     return False
 
 
-def _places(
-    hole: Drilling, points: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _places(hole: Drilling, points: Array) -> tuple[Array, Array]:
     """Distances of points (n, 3) from the hole's axis and from the journal's [m]."""
     p, q, _ = hole.local(points).T
     return np.hypot(p, q), np.linalg.norm(points[:, :2] - hole.axis, axis=1)
 
 
-def _is_edge(hole: Drilling, points: NDArray[np.float64]) -> bool:
+def _is_edge(hole: Drilling, points: Array) -> bool:
     """Whether a curve with these points is where the hole's wall meets the journal's surface."""
     off, height = _places(hole, points)
     tolerance = CURVE_TOLERANCE * hole.journal_radius

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from crankbase.calls import ProcessLostError
 from crankbase.choices import check_kind
 from crankbase.errors import InputError, MeshError
@@ -146,7 +146,7 @@ VOLUME = "throw"
 
 
 def write_mesh(
-    mesh: ThrowMesh, path: str | Path, point_data: dict[str, NDArray[np.float64]] | None = None
+    mesh: ThrowMesh, path: str | Path, point_data: dict[str, Array] | None = None
 ) -> Path:
     """Write a mesh with its named surfaces.
 
@@ -261,6 +261,6 @@ def _write_by_gmsh(mesh: ThrowMesh, path: Path, group_name: Callable[[str], str]
             raise InputError(f"{path}: cannot be written ({error}).") from None
 
 
-def _add_elements(gmsh: Any, entity: int, kind: int, nodes: NDArray[np.int64], first: int) -> None:
+def _add_elements(gmsh: Any, entity: int, kind: int, nodes: Integers, first: int) -> None:
     numbers = np.arange(first, first + len(nodes))
     gmsh.model.mesh.addElementsByType(entity, kind, numbers, nodes.ravel())

@@ -3,11 +3,12 @@
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, Self
+from typing import Literal, Self
 
 from pydantic import model_validator
 
 from crankbase.errors import InputError
+from crankbase.frames import Axes
 from geometry.parts import (
     LEFT_JOURNAL,
     OUTLINES,
@@ -24,10 +25,6 @@ from geometry.parts import (
 )
 from geometry.throw_checks import check_throw, fits_plainly, throw_remarks
 from geometry.throw_dimensions import FurtherPin, ThrowDimensions, web_dimension
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 # The slope of a thinned web starts this share of the journal's diameter beyond its fillet.
 COLLAR_MARGIN = 0.02
@@ -359,11 +356,11 @@ class CrankThrow(ThrowDimensions):
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         view: Literal["side", "left end"] = "side",
         dimensions: bool = True,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the throw to scale.
 
         Parameters

@@ -6,8 +6,8 @@ from functools import partial
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
 from geometry.parts import (
@@ -65,8 +65,6 @@ def web_label(throw: ThrowDimensions, web: WebPlate) -> str:
     """Label of a web, where the webs differ."""
     return web.name if throw.left_web or throw.right_web or throw.further_pins else "web"
 
-
-Array = NDArray[np.float64]
 
 # Shares of the journal's diameter: smallest and largest hole, and what stays free beside its exits.
 SMALLEST_HOLE, LARGEST_HOLE, FREE_LEDGE = 0.02, 0.4, 0.01

@@ -3,19 +3,18 @@
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 
-from crankbase.array_checks import LARGEST, SMALLEST
+from crankbase.array_checks import LARGEST, SMALLEST, Array
 from crankbase.choices import did_you_mean, is_number
 from crankbase.diagrams import RED, draw_groups, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.frames import table
+from crankbase.frames import Axes, table
 from crankbase.quantity import format_quantity
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values
 from regression.models.compliance_model import ComplianceModel
@@ -24,9 +23,6 @@ from regression.models.lookup import Lookup
 from regression.models.response_query import edges, error_band
 from regression.response_kinds import ANGLE_LAWS
 from regression.throw_values import field_unit
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -236,8 +232,6 @@ def _applied(limit: Limit, values: list[Any]) -> Any:
     return reached
 
 
-Array = NDArray[np.float64]
-
 # Share of a range within which a place is its end; limits have more than this to spare.
 _AT_END = 1e-10
 
@@ -365,8 +359,7 @@ class LimitCheck:
     active: bool
 
 
-@summarized("minimized", "value", "unit", "factors", "limits", "remarks", keeps_text=True)
-@dataclass(frozen=True)
+@frozen("minimized", "value", "unit", "factors", "limits", "remarks")
 class Optimum:
     """The best throw under limits.
 
@@ -414,7 +407,7 @@ class Optimum:
             f"Optimum({self.minimized} {self.value:.6g} {self.unit}".rstrip() + f" at {at}{limits})"
         )
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the use of each limit, by the equation and at the worst end of its error band.
 
         Parameters

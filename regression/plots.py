@@ -3,11 +3,11 @@
 import re
 from collections.abc import Sequence
 from itertools import compress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags
 from crankbase.diagrams import (
     BLUE,
     ORANGE,
@@ -18,13 +18,9 @@ from crankbase.diagrams import (
     math_symbol,
     write_title,
 )
+from crankbase.frames import Axes
 from regression.throw_values import factor_label
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-Array = NDArray[np.float64]
 POINTS = 80
 PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
 
@@ -51,7 +47,7 @@ def factor_size(unit: str, labels: Sequence[str]) -> float:
     return 1.0 if labels else display_unit(unit)[1]
 
 
-def label_factor_axis(axes: "Axes", name: str, unit: str, labels: Sequence[str]) -> None:
+def label_factor_axis(axes: Axes, name: str, unit: str, labels: Sequence[str]) -> None:
     """Label the horizontal axis with a factor and its unit; for a choice with its labels."""
     if labels:
         axes.set_xticks(range(len(labels)), list(labels), fontsize=8)
@@ -70,7 +66,7 @@ def response_text(symbol: str, unit: str) -> str:
     return f"{math_symbol(symbol)} [{display_unit(unit)[0]}]"
 
 
-Mask = NDArray[np.bool_]
+Mask = Flags
 
 KINDS = ((False, BLUE, "o", "fitted runs"), (True, ORANGE, "D", "held out"))
 
@@ -95,7 +91,7 @@ def design_dots(
 
 
 def draw_formula_bars(
-    axes: "Axes",
+    axes: Axes,
     names: Sequence[str],
     values: Array,
     valid: Sequence[bool],
@@ -130,7 +126,7 @@ def draw_formula_bars(
 BARS = 16
 
 
-def draw_effects(axes: "Axes", names: Sequence[str], values: Array, label: str, form: str) -> None:
+def draw_effects(axes: Axes, names: Sequence[str], values: Array, label: str, form: str) -> None:
     """Draw the coded coefficients of a form in the order of their size (Pareto).
 
     Parameters

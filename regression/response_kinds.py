@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from fem.material import Material
 
@@ -82,8 +82,6 @@ def material_ratio(unit: str, material: Material, other: Material) -> float:
     scale, other_scale = (response_scale(unit, dimensions, each) for each in (material, other))
     return float(scale / other_scale)
 
-
-Array = NDArray[np.float64]
 
 GUIDED_MOMENTS = (
     "radial_end_moment_left_guided",

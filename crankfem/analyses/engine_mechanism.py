@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.sentences import kept
@@ -140,7 +140,7 @@ def full_load_only(engine_file: EngineFile) -> bool:
     return engine_file.gas is None or engine_file.load is None or engine_file.load.law == "constant"
 
 
-def curve_at(engine_file: EngineFile, speeds: FloatArray) -> LoadCurve:
+def curve_at(engine_file: EngineFile, speeds: Array) -> LoadCurve:
     """Return the pressures that the cycles reach at speeds [rad/s]."""
     assert engine_file.gas is not None
     assert engine_file.load is not None
@@ -160,9 +160,7 @@ def pressure_maps(
     return _maps_at(engine_file, speeds, motored=motored)
 
 
-def _maps_at(
-    engine_file: EngineFile, speeds: FloatArray, *, motored: bool
-) -> tuple[PressureMap, ...]:
+def _maps_at(engine_file: EngineFile, speeds: Array, *, motored: bool) -> tuple[PressureMap, ...]:
     assert engine_file.gas is not None
     curve = curve_at(engine_file, speeds)
     full = by_gas(engine_file.gas, engine_file.layout, full_load_cycles)

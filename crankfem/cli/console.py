@@ -32,7 +32,7 @@ from crankfem.jobs.exit_codes import (
 )
 
 if TYPE_CHECKING:
-    from crankbase.array_checks import FloatArray
+    from crankbase.array_checks import Array
     from crankbase.results import Result
     from regression.records import Outcome
 
@@ -405,7 +405,7 @@ def parse_pairs(
     return values
 
 
-def write_columns(path: Path, columns: "Mapping[str, FloatArray]", heading: str = "") -> None:
+def write_columns(path: Path, columns: "Mapping[str, Array]", heading: str = "") -> None:
     """Write columns of equal length to 12 digits, units in their names; see `write_rows`."""
     from crankfem.jobs.outputs import write_rows  # here: most commands write no table
 

@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
+from crankbase.array_checks import Array
 from crankbase.outputs import is_regular_file
 from crankfem.analyses.mechanism.plots import plot_torque
 from crankfem.analyses.run_results import RunResults
@@ -119,8 +118,6 @@ def _drawn(path: Path) -> Figure:
         text = base64.b64encode(smaller.getvalue()).decode()
         return Figure(f"data:image/webp;base64,{text}", picture.width, picture.height)
 
-
-Array = NDArray[np.float64]
 
 STUDY: Plots[tuple[StudyTable, ResponseFits]] = Plots(
     (

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray, positive_number
+from crankbase.array_checks import Array, Flags, positive_number
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.results import Internal, Part, Result, Speed, result
@@ -237,7 +237,9 @@ def exceeded_ranges(
     slightly too wide. Next to an unbounded value the range extends to the next calculated speed.
     """
     speeds, used = curve.speeds, usage(limit, curve)
-    tops = _tops(curve.values)
+    # Indices of the local maxima; the first of equal neighbors, neither end.
+    middle = curve.values[1:-1]
+    tops = 1 + np.flatnonzero((middle > curve.values[:-2]) & (middle >= curve.values[2:]))
     ranges = []
     for first, last in _runs(used > 1.0):
         if not at_most(speeds[first], highest):
@@ -349,8 +351,10 @@ def _barred(
     if at_most(low, running_range[0]) and at_most(running_range[1], high):
         refusals.append(wording.NO_SPEED_LEFT)
     # Below the running range nothing is barred, but only what the limit for passing covers may be passed.
-    highest_by = rule.highest_by if position != "below" else _passing_end
-    end = min(highest_by(item.limit) for item in group)
+    if position == "below":
+        end = min(item.limit.passing.high if item.limit.passing else np.inf for item in group)
+    else:
+        end = min(rule.highest_by(item.limit) for item in group)
     if position == "above":
         most = max(group, key=lambda item: item.exceeded.used)
         applies_to = limit_end_speed(most.limit, running_range)
@@ -411,10 +415,6 @@ def _barred(
     )
 
 
-def _passing_end(limit: VibrationLimit) -> float:
-    return np.inf if limit.passing is None else limit.passing.high
-
-
 def _running_first(use: LimitUse, running_range: tuple[float, float]) -> tuple[bool, float]:
     """Rank uses: what is exceeded at running speeds first, then the largest."""
     return bool(within(use.speed, *running_range)) and use.used > 1.0, use.used
@@ -468,7 +468,7 @@ def _widened(exceeded: ExceededRange, rule: BarredRangeRule) -> tuple[float, flo
     )
 
 
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _runs(flags: Flags) -> list[tuple[int, int]]:
     """Return first and last index of each run of true values."""
     edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
     starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
@@ -476,7 +476,7 @@ def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def _crossing(
-    limit: VibrationLimit, curve: AmplitudeCurve, used: FloatArray, place: int, step: int
+    limit: VibrationLimit, curve: AmplitudeCurve, used: Array, place: int, step: int
 ) -> float:
     """Return the speed at which the use is 1, outwards from the last index above it."""
     speeds, values = curve.speeds, curve.values
@@ -508,9 +508,3 @@ def _peaks_to(curve: AmplitudeCurve, tops: NDArray[np.intp], highest: float) -> 
     place = int(np.count_nonzero(at_most(curve.speeds, highest)))
     rises = beyond and curve.values[place] > curve.values[place - 1]
     return (*inside, beyond[0]) if rises else inside
-
-
-def _tops(values: FloatArray) -> NDArray[np.intp]:
-    """Return the indices of the local maxima; the first of equal neighbors, neither end."""
-    middle = values[1:-1]
-    return 1 + np.flatnonzero((middle > values[:-2]) & (middle >= values[2:]))

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
 
-from crankbase.array_checks import FloatArray, positive_number
+from crankbase.array_checks import Array, positive_number
 from crankbase.choices import check_choice
 from crankbase.diagrams import BLUE, RED, legend_inside, new_axes, with_gaps, write_title
 from crankbase.errors import InputError
@@ -47,7 +47,7 @@ class TrialSize:
     """
 
     size: float
-    settings: FloatArray
+    settings: Array
     used: float
 
 
@@ -113,8 +113,8 @@ def search_sizes(
 
 
 def minimize_usage(
-    used: Callable[[FloatArray], float], ranges: Ranges, last: FloatArray | None
-) -> tuple[FloatArray, float]:
+    used: Callable[[Array], float], ranges: Ranges, last: Array | None
+) -> tuple[Array, float]:
     """Find the settings (d,) of least usage of a limit, and this usage.
 
     At most two settings are free; equal ends of a range fix one. The best settings of a neighboring size,
@@ -150,16 +150,14 @@ def finite(used: float) -> float:
     return 1.0 if np.isinf(used) else used / (1.0 + used)
 
 
-def _minimum_usage(
-    used: Callable[[FloatArray], float], ends: FloatArray, points: int
-) -> tuple[FloatArray, float]:
+def _minimum_usage(used: Callable[[Array], float], ends: Array, points: int) -> tuple[Array, float]:
     """Find the least usage within ranges of logarithms, and where it occurs."""
     free = np.flatnonzero(ends[:, 1] > ends[:, 0])
 
-    def at(values: FloatArray) -> float:
+    def at(values: Array) -> float:
         return used(np.exp(placed(values)))
 
-    def placed(values: FloatArray) -> FloatArray:
+    def placed(values: Array) -> Array:
         whole = ends[:, 0].copy()
         whole[free] = values
         return whole
@@ -179,7 +177,7 @@ def _minimum_usage(
         steps = 0.5 * np.diag([axis[1] - axis[0] for axis in axes])
         simplex = np.vstack((first, first + steps))
 
-        def objective(x: FloatArray, /) -> float:
+        def objective(x: Array, /) -> float:
             return finite(at(x))
 
         minimum = minimize(
@@ -245,8 +243,8 @@ class SizedDamper:
     without: AmplitudeCurve
     used: float
     used_without: float
-    sizes: FloatArray
-    used_at_best: FloatArray
+    sizes: Array
+    used_at_best: Array
     sentence: str
 
     def plot(
@@ -363,7 +361,7 @@ def size_viscous_damper(
             return [DAMPING_RATIOS]
         return [(dampings[0] / (per_size * size), dampings[1] / (per_size * size))]
 
-    def make(size: float, settings: FloatArray) -> Damper:
+    def make(size: float, settings: Array) -> Damper:
         damping = float(settings[0]) * per_size * size
         return ViscousDamper(ring_inertia=size, damping=damping, hub_inertia=hub_inertia)
 
@@ -412,7 +410,7 @@ def size_rubber_damper(
     )
     losses = _checked_range("loss_factor", loss_factor, "")
 
-    def make(size: float, settings: FloatArray) -> Damper:
+    def make(size: float, settings: Array) -> Damper:
         frequency, loss = settings.tolist()
         return RubberDamper(
             ring_inertia=size,
@@ -460,7 +458,7 @@ def size_axial_damper(
     """
     sizes = _checked_range("damping", damping, "N s/m")
 
-    def make(size: float, _: FloatArray) -> Damper:
+    def make(size: float, _: Array) -> Damper:
         return AxialDamper(damping=size, stiffness=stiffness, mass=mass)
 
     dampers = _Sizing(chain, node, result, limit, make, lambda _: [])
@@ -475,10 +473,10 @@ class _Sizing:
     node: int | str
     result: Result
     limit: VibrationLimit
-    make: Callable[[float, FloatArray], Damper]
+    make: Callable[[float, Array], Damper]
     ranges: Callable[[float], Ranges]
 
-    def used(self, size: float, settings: FloatArray) -> float:
+    def used(self, size: float, settings: Array) -> float:
         """Largest share of the permitted amplitude with a damper; inf if unbounded."""
         curve = self.result(self.make(size, settings).attached(self.chain, self.node))
         return float(np.max(usage(self.limit, curve)))

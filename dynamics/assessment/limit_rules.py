@@ -3,11 +3,11 @@
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Literal, get_args
+from typing import Literal, TypedDict, Unpack, get_args
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray, positive_number
+from crankbase.array_checks import Array, positive_number
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.sentences import amount
@@ -108,7 +108,7 @@ def propulsion_shaft_limit(
     counted = min(strength, ALLOY_STRENGTH if alloy and may_be_alloy else CARBON_STRENGTH)
     base = (counted / 1e6 + 160.0) / 18.0 * factor * (0.35 + 0.93 * (size / 1e-3) ** -0.2) * 1e6
 
-    def continuous(speeds: FloatArray) -> FloatArray:
+    def continuous(speeds: Array) -> Array:
         ratio = speeds / rated
         return np.asarray(base * np.where(ratio < 0.9, 3.0 - 2.0 * ratio**2, 1.38))
 
@@ -133,15 +133,21 @@ def propulsion_shaft_limit(
     )
 
 
+class Steel(TypedDict, total=False):
+    """Material of a crankshaft; see `crankshaft_limit`."""
+
+    tensile_strength: float
+    yield_strength: float
+    alloy: bool
+
+
 def crankshaft_limit(
     rated_speed: float,
     *,
     strokes: int,
     kind: Kind = "in line",
     firing_interval_deg: float | None = None,
-    tensile_strength: float = BASE_STRENGTH,
-    yield_strength: float = BASE_YIELD,
-    alloy: bool = False,
+    **steel: Unpack[Steel],
 ) -> VibrationLimit:
     """Return the torsional stress that one class permits in the crankshaft of a ship's main engine.
 
@@ -183,13 +189,13 @@ def crankshaft_limit(
     """
     rated = checked_rated_speed(rated_speed)
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
-    kept, passed = crankshaft_material_factors(tensile_strength, yield_strength, alloy=alloy)
+    kept, passed = crankshaft_material_factors(**steel)
     slope, at_rated = (24.0, 21.0) if even else (29.0, 16.0)
 
-    def plain(ratio: FloatArray) -> FloatArray:
+    def plain(ratio: Array) -> Array:
         return (45.0 - slope * ratio**2) * 1e6
 
-    def continuous(speeds: FloatArray) -> FloatArray:
+    def continuous(speeds: Array) -> Array:
         ratio = speeds / rated
         above = at_rated + 237.0 * (ratio - 0.8) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
         return kept * np.where(ratio <= 1.0, plain(ratio), above * 1e6)
@@ -201,7 +207,7 @@ def crankshaft_limit(
         continuous=LimitCurve(continuous, 0.0, 1.15 * rated),
         passing=LimitCurve(lambda speeds: passed * 2.0 * plain(speeds / rated), 0.0, 0.8 * rated),
         source=CRANKSHAFT_SOURCE,
-        remark="; ".join(filter(None, (_counted(tensile_strength, alloy=alloy), _raised(passed)))),
+        remark="; ".join(filter(None, (_counted(**steel), _raised(passed)))),
     )
 
 
@@ -212,9 +218,7 @@ def generator_set_limit(
     strokes: int = 4,
     kind: Kind = "in line",
     firing_interval_deg: float | None = None,
-    tensile_strength: float = BASE_STRENGTH,
-    yield_strength: float = BASE_YIELD,
-    alloy: bool = False,
+    **steel: Unpack[Steel],
 ) -> VibrationLimit:
     """Return the torsional stress that one class permits in a generator set of constant speed.
 
@@ -242,11 +246,11 @@ def generator_set_limit(
     rated = checked_rated_speed(rated_speed)
     check_choice("part", part, ("crankshaft", "generator shaft"), "the rule limits these")
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
-    kept, passed = crankshaft_material_factors(tensile_strength, yield_strength, alloy=alloy)
+    kept, passed = crankshaft_material_factors(**steel)
     running, quick = (31e6, 118e6) if part == "generator shaft" else (21e6 if even else 16e6, 90e6)
     slowest = LEAST_SET_SPEED * rated
 
-    def permitted(speeds: FloatArray) -> FloatArray:
+    def permitted(speeds: Array) -> Array:
         return np.where(speeds < slowest, passed * quick, kept * running)
 
     return VibrationLimit(
@@ -256,11 +260,7 @@ def generator_set_limit(
         continuous=LimitCurve(permitted, 0.0, 1.1 * rated),
         passing=LimitCurve(lambda speeds: np.full(speeds.shape, passed * quick), 0.0, slowest),
         source=GENERATOR_SOURCE,
-        remark="; ".join(
-            filter(
-                None, (_counted(tensile_strength, alloy=alloy), _raised(passed), GENERATOR_READING)
-            )
-        ),
+        remark="; ".join(filter(None, (_counted(**steel), _raised(passed), GENERATOR_READING))),
     )
 
 
@@ -272,19 +272,22 @@ def _has_limits_of_engines_in_line(strokes: int, kind: str, interval: float | No
 
 
 def crankshaft_material_factors(
-    tensile: float, yielding: float, *, alloy: bool
+    tensile_strength: float = BASE_STRENGTH,
+    yield_strength: float = BASE_YIELD,
+    *,
+    alloy: bool = False,
 ) -> tuple[float, float]:
     """Return the factors by which a strong material raises the limits for running and for passing.
 
     Parameters
     ----------
-    tensile, yielding : float
+    tensile_strength, yield_strength : float
         Specified minimum strengths [Pa].
     alloy : bool
         Whether the steel is low-alloy; carbon steel otherwise.
     """
-    strength = positive_number("tensile_strength", tensile, "Pa", "it is that of a steel")
-    limit = positive_number("yield_strength", yielding, "Pa", "it is that of a steel")
+    strength = positive_number("tensile_strength", tensile_strength, "Pa", "it is that of a steel")
+    limit = positive_number("yield_strength", yield_strength, "Pa", "it is that of a steel")
     if limit > strength:
         raise InputError(
             f"yield_strength: given {limit / 1e6:g} MPa above a tensile strength of {strength / 1e6:g} MPa; "
@@ -295,8 +298,9 @@ def crankshaft_material_factors(
     return kept, max(limit, BASE_YIELD) / BASE_YIELD
 
 
-def _counted(strength: float, *, alloy: bool) -> str:
+def _counted(**steel: Unpack[Steel]) -> str:
     """State with which value a strength beyond the end of the rule's formula enters it, else nothing."""
+    strength, alloy = steel.get("tensile_strength", BASE_STRENGTH), steel.get("alloy", False)
     most = CRANKSHAFT_STRENGTHS[alloy]
     if strength <= most:
         return ""

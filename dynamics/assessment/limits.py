@@ -8,17 +8,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     nonnegative_number,
     positive_number,
     positive_vector,
     read_only,
 )
+from crankbase.choices import check_some
 from crankbase.errors import InputError
 from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, Speed, result
 from dynamics.indices import within
 
-Values = Callable[[FloatArray], FloatArray]
+Values = Callable[[Array], Array]
 
 
 @result("low [rad/s]", "high [rad/s]")
@@ -52,7 +53,7 @@ class LimitCurve:
                 "the limit is stated between them."
             )
 
-    def at(self, speeds: FloatArray) -> FloatArray:
+    def at(self, speeds: Array) -> Array:
         """Return the permitted values (S,); inf at speeds for which none is stated."""
         stated = within(speeds, self.low, self.high)
         # A rule's formula may mean nothing outside its range, so it is not asked there.
@@ -127,7 +128,7 @@ class VibrationLimit(Result):
             return self.continuous
         kept, passed = self.continuous, self.passing
 
-        def values(speeds: FloatArray) -> FloatArray:
+        def values(speeds: Array) -> Array:
             quick = passed.at(speeds)
             return np.where(np.isfinite(quick), quick, kept.at(speeds))
 
@@ -212,8 +213,8 @@ class AmplitudeCurve:
     """
 
     name: str
-    speeds: FloatArray
-    values: FloatArray
+    speeds: Array
+    values: Array
 
     def __init__(self, name: str, speeds: ArrayLike, values: ArrayLike) -> None:
         places = positive_vector("speeds", speeds, "rad/s", "a limit holds for a turning shaft")
@@ -239,7 +240,7 @@ class AmplitudeCurve:
         return float(np.max(self.values))
 
 
-def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:
+def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> Array:
     """Return the share of the permitted amplitude that is used at each speed, (S,).
 
     Returns
@@ -369,11 +370,7 @@ def checked_rated_speed(rated_speed: float) -> float:
 
 def check_findings(findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]]) -> None:
     """Refuse findings that are not pairs of a limit and an amplitude curve."""
-    if not findings:
-        raise InputError(
-            "findings: given none; allowed are one or more, because a verdict needs a limit and an "
-            "amplitude to hold against it."
-        )
+    check_some("findings", findings, "a verdict needs a limit and an amplitude to hold against it")
     for place, pair in enumerate(findings):
         if tuple(map(type, pair)) != (VibrationLimit, AmplitudeCurve):
             raise InputError(

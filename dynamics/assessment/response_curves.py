@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.array_checks import ComplexArray, FloatArray, positive_number
+from crankbase.array_checks import Array, ComplexArray, Flags, positive_number
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
@@ -152,7 +152,7 @@ def with_resonances(excitation: OrderExcitation, chain: Chain) -> OrderExcitatio
     return OrderExcitation(orders, finer, padded(at[:, :, :known], count), pressing)
 
 
-def damped_frequencies(chain: Chain) -> FloatArray:
+def damped_frequencies(chain: Chain) -> Array:
     """Return the angular frequencies of the chain's damped free vibrations [rad/s], ascending.
 
     Only viscous damping counts: loss factors hardly shift frequencies. Overdamped modes are
@@ -192,7 +192,7 @@ def _curve(response: ForcedResponse, values: NDArray[np.complex128], name: str) 
 TOGETHER = 128
 
 
-def largest_amplitude(series: OrderSeries, weights: FloatArray) -> tuple[float, int, int]:
+def largest_amplitude(series: OrderSeries, weights: Array) -> tuple[float, int, int]:
     """Find the largest weighted amplitude of a series.
 
     Parameters
@@ -235,9 +235,7 @@ def largest_amplitude(series: OrderSeries, weights: FloatArray) -> tuple[float, 
     return amplitude, int(speed), int(place)
 
 
-def speeds_above(
-    series: OrderSeries, weights: FloatArray, known: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
+def speeds_above(series: OrderSeries, weights: Array, known: Flags) -> Flags:
     """Return at which speeds the weighted amplitude of any point exceeds one, (S,).
 
     Parameters
@@ -267,10 +265,10 @@ NEARLY_LARGEST = 0.99
 # A maximum's neighbors come this many times closer in each round, and so often.
 CLOSER, ROUNDS = 4, 3
 
-Uses = Callable[[FloatArray], FloatArray]
+Uses = Callable[[Array], Array]
 
 
-def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> FloatArray:
+def refined_maxima(uses_at: Uses, speeds: Array, least: float = np.inf) -> Array:
     """Find the speeds of the largest values of curves, more closely than the calculated speeds.
 
     Parameters

@@ -1,17 +1,16 @@
 """Separation of critical speeds from running speeds, and major critical speeds near the rated one."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray, positive_vector
+from crankbase.array_checks import Array, positive_vector
 from crankbase.frames import Row
 from crankbase.quantity import percent
 from crankbase.results import Internal, Number, Quantity, Result, Speed, result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.assessment.limits import checked_rated_speed, checked_running_range
 from dynamics.assessment.uncertainty import Spread, frequency_bounds
 from dynamics.chains.chain import Chain
@@ -74,9 +73,7 @@ class CriticalRange(Result):
         return super().row() | {"nominal_margin": (self.nominal_margin, "1")}
 
 
-def separation_margin(
-    low: FloatArray, high: FloatArray, running_range: tuple[float, float]
-) -> FloatArray:
+def separation_margin(low: Array, high: Array, running_range: tuple[float, float]) -> Array:
     """Return the separation of critical speeds between two bounds from a running range.
 
     Parameters
@@ -186,8 +183,7 @@ MAJOR_READING = "from the 2025 edition alone; no second source confirms it"
 CLEAR = {"propeller": (0.8, 1.1), "generator": (0.9, 1.1)}
 
 
-@summarized("orders", "clear [rad/s]", "criticals", "passed")
-@dataclass(frozen=True)
+@frozen("orders", "clear [rad/s]", "criticals", "passed")
 class MajorCriticals:
     """Critical speeds of the orders that one class calls major, and the speeds they must avoid.
 
@@ -240,7 +236,7 @@ def major_criticals(
     share = CLEAR[drives]
     clear = (share[0] * rated, share[1] * rated)
     orders = (0.5 * cylinders, float(cylinders)) if strokes == 4 else (float(cylinders),)
-    majors: FloatArray = np.array(orders)
+    majors: Array = np.array(orders)
     near = tuple(
         critical
         for critical in criticals

@@ -7,8 +7,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray, positive_vector
-from crankbase.choices import check_choice, is_number, is_whole_within, whole_number, whole_within
+from crankbase.array_checks import Array, positive_vector
+from crankbase.choices import (
+    check_choice,
+    check_some,
+    is_number,
+    is_whole_within,
+    whole_number,
+    whole_within,
+)
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes
@@ -132,9 +139,7 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
     return replace(chain, dashpots=tuple(dashpots), **changed)
 
 
-def scale_factors(
-    chain: Chain, spreads: Sequence[Spread], factors: FloatArray
-) -> dict[str, FloatArray]:
+def scale_factors(chain: Chain, spreads: Sequence[Spread], factors: Array) -> dict[str, Array]:
     """Return for each field of the chain the scale factors of its values, (N, size) each."""
     if factors.shape[1] != len(spreads):
         raise InputError(
@@ -195,11 +200,11 @@ class Samples:
     """
 
     spreads: tuple[Spread, ...]
-    factors: FloatArray
-    values: FloatArray
-    nominal: FloatArray
+    factors: Array
+    values: Array
+    nominal: Array
 
-    def percentile(self, percent: float) -> FloatArray:
+    def percentile(self, percent: float) -> Array:
         """Return the value that a given percentage of the samples does not exceed, shape (...).
 
         It is one of the samples, the first that reaches that share, so inf is kept.
@@ -216,12 +221,12 @@ class Samples:
         return np.asarray(np.percentile(self.values, percent, axis=0, method="inverted_cdf"))
 
     @property
-    def lowest(self) -> FloatArray:
+    def lowest(self) -> Array:
         """Lowest of all samples, shape (...)."""
         return np.asarray(np.min(self.values, axis=0))
 
     @property
-    def highest(self) -> FloatArray:
+    def highest(self) -> Array:
         """Highest of all samples, shape (...)."""
         return np.asarray(np.max(self.values, axis=0))
 
@@ -284,7 +289,7 @@ class Samples:
 
 def sampled_factors(
     spreads: Sequence[Spread], samples: int = DEFAULT_SAMPLES, seed: int = DEFAULT_SEED
-) -> FloatArray:
+) -> Array:
     """Draw factors by a Latin hypercube: each of N equal shares of a spread has one sample.
 
     Parameters
@@ -301,10 +306,7 @@ def sampled_factors(
         Uniform over the logarithm, so that a compliance and its reciprocal stiffness have the same
         distribution.
     """
-    if not spreads:
-        raise InputError(
-            "spreads: given none; allowed are one or more, because nothing varies without."
-        )
+    check_some("spreads", spreads, "nothing varies without")
     count = whole_number("samples", samples, 2, "a range has two ends")
     start = whole_number("seed", seed, 0, "random numbers start from one")
     drawn = latin_hypercube(count, len(spreads), np.random.default_rng(start).spawn(1)[0])
@@ -338,7 +340,7 @@ def frequency_samples(
 
 def frequency_bounds(
     chain: Chain, spreads: Sequence[Spread], others: Sequence[Chain] = ()
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Array, Array]:
     """Find the lowest and highest possible natural frequencies, exactly.
 
     Parameters
@@ -382,7 +384,7 @@ def frequency_bounds(
     return np.min(frequencies[:, 0], axis=0), np.max(frequencies[:, 1], axis=0)
 
 
-def frequency_sensitivities(chain: Chain, spreads: Sequence[Spread]) -> FloatArray:
+def frequency_sensitivities(chain: Chain, spreads: Sequence[Spread]) -> Array:
     """Return the relative change of each frequency per relative change of each factor, (p, q).
 
     Returns
@@ -452,7 +454,7 @@ def chain_samples(
 
 
 def function_samples(
-    result: Callable[[FloatArray], ArrayLike],
+    result: Callable[[Array], ArrayLike],
     spreads: Sequence[Spread],
     samples: int = DEFAULT_SAMPLES,
     seed: int = DEFAULT_SEED,
@@ -479,7 +481,7 @@ def function_samples(
     return Samples(tuple(spreads), factors, values, nominal)
 
 
-def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: FloatArray) -> FloatArray:
+def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: Array) -> Array:
     """Return the frequencies [Hz] of each row of factors, (N, q).
 
     As `elastic_modes`: singular values of C L'^(-1), with K = C' C and M = L L'.

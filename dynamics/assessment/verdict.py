@@ -185,8 +185,7 @@ class LimitCheck(Result):
         """The finding, and its cause."""
         at_running = self.at_running_speeds
         return check_sentences(
-            self.limit.name,
-            self.place,
+            limit_at(self.limit.name, self.place),
             self.limit.source + (", assumed" if self.limit.assumed else ""),
             self.worst_speed,
             self.use,

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
+    Flags,
+    Integers,
     finite_vector,
     nonnegative_vector,
     one_for_each,
@@ -16,7 +18,7 @@ from crankbase.array_checks import (
     positive_vector,
     read_only,
 )
-from crankbase.choices import check_kind
+from crankbase.choices import check_kind, check_some
 from crankbase.errors import InputError, SolveError
 from crankbase.summaries import summarized
 from dynamics.chains.chain_modes import (
@@ -128,9 +130,7 @@ def _pair(field: str, pair: Sequence[int], count: int) -> tuple[int, int]:
     return left, right
 
 
-def speed_ratios(
-    pairs: Pairs, gears: Sequence[Gear], count: int
-) -> tuple[NDArray[np.int64], FloatArray]:
+def speed_ratios(pairs: Pairs, gears: Sequence[Gear], count: int) -> tuple[Integers, Array]:
     """Find which nodes springs and gears connect, and their relative speeds in rigid motion.
 
     Returns
@@ -169,7 +169,7 @@ def speed_ratios(
     return parts, ratios
 
 
-def check_connected(parts: NDArray[np.int64], dashpots: Sequence[Dashpot]) -> None:
+def check_connected(parts: Integers, dashpots: Sequence[Dashpot]) -> None:
     """Refuse a chain that is not connected."""
     reached = {0}
     pairs = [(int(parts[d.left]), int(parts[d.right])) for d in dashpots]
@@ -239,14 +239,14 @@ class Chain:
     [0.0, 176.1]
     """
 
-    inertia: FloatArray
-    stiffness: FloatArray
-    ground: FloatArray
+    inertia: Array
+    stiffness: Array
+    ground: Array
     connections: Pairs
-    damping: FloatArray
-    loss_factor: FloatArray
-    ground_damping: FloatArray
-    distributed_inertia: FloatArray
+    damping: Array
+    loss_factor: Array
+    ground_damping: Array
+    distributed_inertia: Array
     dashpots: tuple[Dashpot, ...]
     gears: tuple[Gear, ...]
     varying: tuple[Varying, ...]
@@ -279,10 +279,7 @@ class Chain:
         why = "a node without inertia has no motion of its own"
         check = nonnegative_vector if np.any(spread) or gears else positive_vector
         inertias = check("inertia", inertia, mass_unit, why)
-        if inertias.size == 0:
-            raise InputError(
-                "inertia: given no values; allowed are one or more, because a chain has a node."
-            )
+        check_some("inertia", inertias, "a chain has a node")
         count = inertias.size
         pairs = checked_pairs(connections, count)
         if stiffnesses.size != len(pairs):
@@ -324,7 +321,7 @@ class Chain:
         if not np.all(inertias):
             self._check_moving(parts)
 
-    def _check_moving(self, parts: NDArray[np.int64]) -> None:
+    def _check_moving(self, parts: Integers) -> None:
         """Refuse nodes without inertia of their own, of their elements or of gears that no springs lead."""
         groups, _, massless = self._gear_groups()
         bare = massless[groups]
@@ -344,7 +341,7 @@ class Chain:
                 "but for the first node, because a node without inertia has no motion of its own."
             )
 
-    def _gear_groups(self) -> tuple[NDArray[np.int64], FloatArray, NDArray[np.bool_]]:
+    def _gear_groups(self) -> tuple[Integers, Array, Flags]:
         """Return the group of each node, its motion per motion of the group, and which have no inertia."""
         groups, ratios = speed_ratios((), self.gears, self.inertia.size)
         loaded = self.inertia > 0.0
@@ -363,12 +360,12 @@ class Chain:
         return self.connections == checked_pairs(None, self.inertia.size)
 
     @property
-    def speed_ratios(self) -> FloatArray:
+    def speed_ratios(self) -> Array:
         """Speed of each node relative to node 0 (to its part's first node), shape (n,)."""
         return speed_ratios(self.connections, self.gears, self.inertia.size)[1]
 
     @property
-    def damped_springs(self) -> NDArray[np.bool_]:
+    def damped_springs(self) -> Flags:
         """Which springs have damping of their own: elements, then those of nodes to ground, (e + n,)."""
         beside = {frozenset((dashpot.left, dashpot.right)) for dashpot in self.dashpots}
         bridged = np.array([frozenset(pair) in beside for pair in self.connections], dtype=bool)
@@ -381,12 +378,12 @@ class Chain:
         return bool(np.any(self._gear_groups()[2]))
 
     @property
-    def leading_nodes(self) -> NDArray[np.int64]:
+    def leading_nodes(self) -> Integers:
         """Nodes whose motions are the unknowns that gears and nodes without inertia leave free, (q,)."""
         groups, _, massless = self._gear_groups()
         return np.unique(groups, return_index=True)[1][~massless]
 
-    def expansion(self) -> FloatArray:
+    def expansion(self) -> Array:
         """Return T of shape (n, q): motions of the nodes per motion of the `leading_nodes`.
 
         Gears without inertia stand where the springs at them are in equilibrium, without the springs' loss
@@ -403,16 +400,16 @@ class Chain:
             )
         return expand
 
-    def elongations(self) -> FloatArray:
+    def elongations(self) -> Array:
         """Return the twist (lengthening) of each element per motion of each node, shape (e, n)."""
         return _differences(self.connections, self.inertia.size)
 
-    def dashpot_elongations(self) -> FloatArray:
+    def dashpot_elongations(self) -> Array:
         """Return the matrix (d, n) from displacements of the nodes to elongations of the dashpots."""
         pairs = [(dashpot.left, dashpot.right) for dashpot in self.dashpots]
         return _differences(pairs, self.inertia.size)
 
-    def varying_springs(self, motions: FloatArray) -> tuple[VaryingSpring, ...]:
+    def varying_springs(self, motions: Array) -> tuple[VaryingSpring, ...]:
         """Return the springs that vary, in unknowns that give the nodes these motions (n, q)."""
         nodes, elements = np.eye(self.inertia.size), self.elongations()
         return tuple(
@@ -420,7 +417,7 @@ class Chain:
             for s in self.varying
         )
 
-    def mass_matrix(self) -> FloatArray:
+    def mass_matrix(self) -> Array:
         """Return the inertia matrix M of the nodes, shape (n, n) [kg m^2 or kg]."""
         matrix = np.diag(self.inertia)
         for (left, right), share in zip(
@@ -430,24 +427,24 @@ class Chain:
             matrix[np.ix_(ends, ends)] += share / 6.0 * np.array([[2.0, 1.0], [1.0, 2.0]])
         return matrix
 
-    def stiffness_matrix(self) -> FloatArray:
+    def stiffness_matrix(self) -> Array:
         """Return the stiffness matrix K of the nodes, shape (n, n) [N m/rad or N/m]."""
         return self._of_elements_and_ground(self.stiffness, self.ground)
 
-    def loss_matrix(self) -> FloatArray:
+    def loss_matrix(self) -> Array:
         """Return H, the imaginary part of the stiffness by loss factors, shape (n, n)."""
         return self._of_elements_and_ground(
             self.stiffness * self.loss_factor, np.zeros(self.inertia.size)
         )
 
-    def damping_matrix(self) -> FloatArray:
+    def damping_matrix(self) -> Array:
         """Return the viscous damping matrix of the nodes, shape (n, n) [N m s/rad or N s/m]."""
         rows = self.dashpot_elongations()
         sizes = np.array([dashpot.damping for dashpot in self.dashpots])
         between = rows.T @ (sizes[:, np.newaxis] * rows)
         return between + self._of_elements_and_ground(self.damping, self.ground_damping)
 
-    def rigid_motions(self) -> tuple[FloatArray, tuple[str, ...]]:
+    def rigid_motions(self) -> tuple[Array, tuple[str, ...]]:
         """Return the motions that no spring resists, as columns (n, r), and their names (r,)."""
         count = self.inertia.size
         parts, ratios = speed_ratios(self.connections, self.gears, count)
@@ -517,7 +514,7 @@ class Chain:
             connections=self.connections,
         )
 
-    def _with_accurate_tails(self, shapes: FloatArray, frequencies: FloatArray) -> FloatArray:
+    def _with_accurate_tails(self, shapes: Array, frequencies: Array) -> Array:
         """Return the modes, one per column, accurate up to their far ends."""
         root_inertia = np.sqrt(self.inertia)
         diagonal = np.diag(self.stiffness_matrix()) / self.inertia
@@ -528,17 +525,17 @@ class Chain:
         ]
         return np.column_stack(columns) if columns else shapes
 
-    def spring_rows(self) -> FloatArray:
+    def spring_rows(self) -> Array:
         """Return C with C' C = K: one row per element, then one per node, shape (e + n, n)."""
         between = np.sqrt(self.stiffness)[:, np.newaxis] * self.elongations()
         return np.vstack((between, np.diag(np.sqrt(self.ground))))
 
-    def _of_elements_and_ground(self, elements: FloatArray, ground: FloatArray) -> FloatArray:
+    def _of_elements_and_ground(self, elements: Array, ground: Array) -> Array:
         rows = self.elongations()
         return np.asarray(rows.T @ (elements[:, np.newaxis] * rows) + np.diag(ground))
 
 
-def _differences(pairs: Sequence[tuple[int, int]], count: int) -> FloatArray:
+def _differences(pairs: Sequence[tuple[int, int]], count: int) -> Array:
     """Return one row per pair: motion of its second node less that of its first."""
     rows = np.zeros((len(pairs), count))
     for row, (left, right) in zip(rows, pairs, strict=True):
@@ -546,7 +543,7 @@ def _differences(pairs: Sequence[tuple[int, int]], count: int) -> FloatArray:
     return rows
 
 
-def _of_elements(field: str, values: ArrayLike, count: int, unit: str) -> FloatArray:
+def _of_elements(field: str, values: ArrayLike, count: int, unit: str) -> Array:
     """Return one non-negative value per element; a single number applies to all."""
     why = "it is that of a passive element"
     return read_only(one_for_each(field, values, count, "elements", unit, why))
@@ -554,7 +551,7 @@ def _of_elements(field: str, values: ArrayLike, count: int, unit: str) -> FloatA
 
 def _to_ground(
     field: str, values: ArrayLike | Mapping[int, float] | None, count: int, unit: str
-) -> FloatArray:
+) -> Array:
     return read_only(
         values_at_nodes(field, values, count, unit, "a support does not push a node away")
     )

@@ -1,16 +1,15 @@
 """Natural frequencies and modes of a chain, accurate in every digit, and their energy shares."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.plots.curves import name_axis
 from dynamics.plots.mode_shapes import ChainShapes, draw_chain_shapes
 
@@ -20,8 +19,7 @@ ZERO_DISPLACEMENT = 1e-11
 EQUAL_DISPLACEMENT = 1e-9
 
 
-@summarized("frequencies [Hz]", "rigid")
-@dataclass(frozen=True, eq=False)
+@frozen("frequencies [Hz]", "rigid", eq=False)
 class Modes:
     """Natural frequencies and mode shapes of a chain of n inertias, ascending.
 
@@ -56,25 +54,25 @@ class Modes:
         Nodes that each element joins.
     """
 
-    angular_frequencies: FloatArray
-    shapes: FloatArray
+    angular_frequencies: Array
+    shapes: Array
     rigid: int
     node_positions: tuple[tuple[float, ...], ...]
     residual: float
     names: tuple[str, ...]
-    modal_inertia: FloatArray
-    kinetic_shares: FloatArray
-    strain_shares: FloatArray
+    modal_inertia: Array
+    kinetic_shares: Array
+    strain_shares: Array
     node_names: tuple[str, ...]
     connections: tuple[tuple[int, int], ...]
 
     @property
-    def frequencies(self) -> FloatArray:
+    def frequencies(self) -> Array:
         """Natural frequencies [Hz], shape (q,), ascending."""
         return self.angular_frequencies / (2.0 * np.pi)
 
     @property
-    def elastic_frequencies(self) -> FloatArray:
+    def elastic_frequencies(self) -> Array:
         """Natural frequencies without those of rigid-body modes [Hz], shape (q - rigid,), ascending.
 
         A chain that turns freely has one rigid-body mode, and one more with the ring of each viscous
@@ -161,7 +159,7 @@ class Modes:
         )
 
 
-def elastic_modes(rows: FloatArray, mass: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+def elastic_modes(rows: Array, mass: Array, count: int) -> tuple[Array, Array]:
     """Find the elastic modes of K x = w^2 M x with K = C' C.
 
     Parameters
@@ -194,7 +192,7 @@ def elastic_modes(rows: FloatArray, mass: FloatArray, count: int) -> tuple[Float
     return np.asarray(singular[:count][::-1]), np.asarray(shapes[:, ::-1])
 
 
-def scaled(shapes: FloatArray) -> FloatArray:
+def scaled(shapes: Array) -> Array:
     """Scale each column so that its largest absolute displacement is +1, at its first place."""
     largest = np.max(np.abs(shapes), axis=0)
     first = np.argmax(np.abs(shapes) >= (1.0 - EQUAL_DISPLACEMENT) * largest, axis=0)
@@ -203,11 +201,11 @@ def scaled(shapes: FloatArray) -> FloatArray:
 
 
 def eigen_residual(
-    frequencies: FloatArray,
-    shapes: FloatArray,
-    mass: FloatArray,
-    stiffness: FloatArray,
-    expand: FloatArray,
+    frequencies: Array,
+    shapes: Array,
+    mass: Array,
+    stiffness: Array,
+    expand: Array,
 ) -> float:
     """Return max |R^(-1) (K x - w^2 M x)| / (w_max^2 |x' M x|^(1/2)), R the root of M's diagonal."""
     highest = float(frequencies[-1]) ** 2
@@ -219,7 +217,7 @@ def eigen_residual(
     return float(np.max(np.linalg.norm(force / root, axis=0) / sizes) / highest)
 
 
-def row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
+def row_zero_crossings(shape: Array, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
     """Return where a mode shape crosses zero in a row, in element indices, by interpolation.
 
     A displacement of zero at a node, between neighbors that move, counts once, at that node. A
@@ -239,7 +237,7 @@ def row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) ->
     return tuple(positions)
 
 
-def pair_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
+def pair_zero_crossings(shape: Array, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
     """Return where a mode shape crosses zero inside the elements of a branched chain."""
     return tuple(
         float(number + shape[left] / (shape[left] - shape[right]))
@@ -253,8 +251,8 @@ TAIL_SHARE = 1e-5
 
 
 def with_accurate_tails(
-    normalized: FloatArray, diagonal: FloatArray, off_diagonal: FloatArray, eigenvalue: float
-) -> FloatArray:
+    normalized: Array, diagonal: Array, off_diagonal: Array, eigenvalue: float
+) -> Array:
     """Return a mode whose displacements at the far ends have the right sign and full accuracy.
 
     A mode of a long chain may be confined to a few inertias and decay by a factor at each further one;
@@ -288,9 +286,9 @@ def with_accurate_tails(
 
 
 def _replace_left_tail(
-    shape: FloatArray,
-    diagonal: FloatArray,
-    off_diagonal: FloatArray,
+    shape: Array,
+    diagonal: Array,
+    off_diagonal: Array,
     eigenvalue: float,
     length: int,
 ) -> None:

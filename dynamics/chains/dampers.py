@@ -1,16 +1,15 @@
 """Dampers: viscous and tuned rubber ones against torsion, and one against axial vibration."""
 
 import math
-from dataclasses import dataclass
 from typing import Self, get_args
 
 from pydantic import Field, model_validator
 
 from crankbase.array_checks import SMALLEST, positive_number
-from crankbase.choices import whole_within
+from crankbase.choices import check_kind, whole_within
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import add_node, find_node, with_ground, with_inertia, with_varying
 from dynamics.chains.varying import Variation, VaryingPart, varied
@@ -150,18 +149,14 @@ def check_torsional(damper: TorsionalDamper) -> None:
 
 def check_axial(damper: AxialDamper) -> None:
     """Refuse what is no axial damper."""
-    if not isinstance(damper, AxialDamper):
-        raise InputError(
-            f"damper: given {damper!r}; allowed is an AxialDamper, because the chain is axial."
-        )
+    check_kind("damper", damper, AxialDamper, "an AxialDamper, because the chain is axial")
 
 
 # A node that moves less than this share of the mode's largest motion cannot drive a damper.
 STANDS_STILL = 1e-3
 
 
-@summarized("tuning", "damping_ratio", "loss_factor", "magnifier")
-@dataclass(frozen=True)
+@frozen("tuning", "damping_ratio", "loss_factor", "magnifier")
 class AbsorberOptimum:
     """The best absorber on a main inertia with a spring to ground and without damping.
 

@@ -7,9 +7,9 @@ node is given by its name or by its number from 0.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any, Protocol, TypedDict, Unpack
 
-from crankbase.array_checks import FloatArray, nonnegative_number
+from crankbase.array_checks import Array, nonnegative_number
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain, Dashpot, Gear
@@ -36,17 +36,23 @@ def find_node(chain: Chain, node: str | int, field: str = "node") -> int:
     return chain.names.index(node)
 
 
+class Link(TypedDict, total=False):
+    """What joins two nodes: an element, without its stiffness a dashpot, with a ratio a gear."""
+
+    stiffness: float | None
+    damping: float
+    loss_factor: float
+    distributed_inertia: float
+    ratio: float | None
+
+
 def add_node(
     chain: Chain,
     name: str,
     inertia: float,
     *,
     to: str | int,
-    stiffness: float | None = None,
-    damping: float = 0.0,
-    loss_factor: float = 0.0,
-    distributed_inertia: float = 0.0,
-    ratio: float | None = None,
+    **link: Unpack[Link],
 ) -> Chain:
     """Return the chain with one more node, joined to an existing one.
 
@@ -77,8 +83,7 @@ def add_node(
     for field, value in zip(AT_NODES, (inertia, 0.0, 0.0), strict=True):
         values[field].append(value)
     values["names"].append(name)
-    element = (stiffness, damping, loss_factor, distributed_inertia)
-    _link(values, at, len(chain.names), element, ratio)
+    _link(values, at, len(chain.names), link)
     return Chain(**values)
 
 
@@ -88,11 +93,8 @@ def join_chains(
     other: Chain,
     other_at: str | int = 0,
     *,
-    stiffness: float | None = None,
-    damping: float = 0.0,
-    loss_factor: float = 0.0,
-    ratio: float | None = None,
     prefix: str = "",
+    **link: Unpack[Link],
 ) -> Chain:
     """Return two chains as one.
 
@@ -117,7 +119,7 @@ def join_chains(
     """
     left, right = find_node(chain, at, "at"), find_node(other, other_at, "other_at")
     count = len(chain.names)
-    merged = stiffness is None and ratio is None and damping == 0.0
+    merged = link.get("stiffness") is link.get("ratio") is None and not link.get("damping")
     kept = [node for node in range(len(other.names)) if not (merged and node == right)]
     places = {node: count + number for number, node in enumerate(kept)} | (
         {right: left} if merged else {}
@@ -150,7 +152,7 @@ def join_chains(
     ]
     values["names"] += names
     if not merged:
-        _link(values, left, places[right], (stiffness, damping, loss_factor, 0.0), ratio)
+        _link(values, left, places[right], link)
     return Chain(**values)
 
 
@@ -167,7 +169,11 @@ def with_element(
     """Return the chain with one more element between two of its nodes, its last."""
     values = _values_of(chain)
     ends = find_node(chain, left, "left"), find_node(chain, right, "right")
-    _link(values, *ends, (stiffness, damping, loss_factor, distributed_inertia), None)
+    for field, value in zip(
+        OF_ELEMENTS, (stiffness, damping, loss_factor, distributed_inertia), strict=True
+    ):
+        values[field].append(value)
+    values["connections"].append(ends)
     return Chain(**values)
 
 
@@ -254,14 +260,11 @@ def _values_of(chain: Chain) -> dict[str, Any]:
     return values
 
 
-def _link(
-    values: dict[str, Any],
-    left: int,
-    right: int,
-    element: tuple[float | None, float, float, float],
-    ratio: float | None,
-) -> None:
-    """Add a connection of two nodes to the values of a chain; an element's are those of `OF_ELEMENTS`."""
+def _link(values: dict[str, Any], left: int, right: int, link: Link) -> None:
+    """Add a connection of two nodes to the values of a chain."""
+    ratio, stiffness = link.get("ratio"), link.get("stiffness")
+    damping, loss_factor = link.get("damping", 0.0), link.get("loss_factor", 0.0)
+    element = (stiffness, damping, loss_factor, link.get("distributed_inertia", 0.0))
     if ratio is not None:
         for field, value in zip(OF_ELEMENTS, element, strict=True):
             if value:
@@ -270,20 +273,20 @@ def _link(
                     "a gear is rigid."
                 )
         values["gears"].append(Gear(left, right, ratio))
-    elif element[0] is None:
+    elif stiffness is None:
         if any(element[2:]):
             raise InputError(
                 "stiffness: given none beside a loss factor or an inertia; allowed are finite "
                 "numbers of more than zero, because both belong to an elastic element."
             )
-        values["dashpots"].append(Dashpot(left, right, element[1]))
+        values["dashpots"].append(Dashpot(left, right, damping))
     else:
         for field, value in zip(OF_ELEMENTS, element, strict=True):
             values[field].append(value)
         values["connections"].append((left, right))
 
 
-def _added_at(chain: Chain, node: str | int, values: FloatArray, added: float) -> FloatArray:
+def _added_at(chain: Chain, node: str | int, values: Array, added: float) -> Array:
     changed = values.copy()
     changed[find_node(chain, node)] += added
     return changed

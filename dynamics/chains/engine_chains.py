@@ -1,14 +1,13 @@
 """Build the axial and the torsional chain of an engine from the compliances of its throws."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     finite_array,
     nonnegative_number,
     nonnegative_vector,
@@ -16,9 +15,9 @@ from crankbase.array_checks import (
     positive_number,
     positive_vector,
 )
-from crankbase.choices import check_choice, whole_number
+from crankbase.choices import check_choice, check_some, whole_number
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.dampers import AxialDamper, TorsionalDamper, check_axial, check_torsional
@@ -40,8 +39,7 @@ FREE_END, FLYWHEEL = "free end", "flywheel"
 CRANKSHAFT_MODE = 0.5
 
 
-@summarized("kind", "chain.inertia", "chain.stiffness", "throw_nodes")
-@dataclass(frozen=True, eq=False)
+@frozen("kind", "chain.inertia", "chain.stiffness", "throw_nodes", eq=False)
 class EngineChain:
     """A chain of an engine, and which of its nodes are throws or sections of the crankshaft.
 
@@ -76,7 +74,7 @@ class EngineChain:
         """Number of elements of the crankshaft, free end to flywheel: the first ones of the chain."""
         return self.throws if self.kind == "axial" else self.throw_nodes[-1] + 1
 
-    def crankshaft_shares(self, modes: Modes) -> FloatArray:
+    def crankshaft_shares(self, modes: Modes) -> Array:
         """Return the share of each mode's strain energy in crankshaft and thrust bearing, (q,).
 
         The rest is in damper, coupling or shaft line. 1 for rigid motions.
@@ -94,15 +92,6 @@ class EngineChain:
             self.crankshaft_shares(modes)[modes.rigid :] >= CRANKSHAFT_MODE
         )
         return modes.rigid + int(shaft_modes[0]) if shaft_modes.size else None
-
-    def with_chain(self, chain: Chain) -> "EngineChain":
-        """Return the same engine with its chain changed by the functions that edit chains."""
-        if chain.names[: len(self.chain.names)] != self.chain.names:
-            raise InputError(
-                f"chain: given nodes {', '.join(chain.names)}; allowed are ones that begin with "
-                f"{', '.join(self.chain.names)}, because the throws are identified by their positions."
-            )
-        return replace(self, chain=chain)
 
 
 def axial_chain(
@@ -326,18 +315,15 @@ def throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
     return [f"{word} {number}" for number in range(1, count + 1)]
 
 
-def _checked_compliances(throw_compliances: ArrayLike, unit: str) -> FloatArray:
+def _checked_compliances(throw_compliances: ArrayLike, unit: str) -> Array:
     compliances = positive_vector(
         "throw_compliances", throw_compliances, unit, "every throw yields under load"
     )
-    if compliances.size == 0:
-        raise InputError(
-            "throw_compliances: given no values; allowed are one or more, because a crankshaft has a throw."
-        )
+    check_some("throw_compliances", compliances, "a crankshaft has a throw")
     return compliances
 
 
-def _check_one_per_throw(field: str, values: FloatArray, compliances: FloatArray) -> None:
+def _check_one_per_throw(field: str, values: Array, compliances: Array) -> None:
     if np.size(values) != np.size(compliances):
         raise InputError(
             f"{field}: given {values.size} values for {compliances.size} compliances; allowed are "
@@ -405,7 +391,7 @@ def throw_inertias(
     *,
     reciprocating: Reciprocating = "half",
     throws: Sequence[int] | None = None,
-) -> FloatArray:
+) -> Array:
     """Return the constant inertia of each throw of an engine with its rods and pistons.
 
     Parameters
@@ -462,8 +448,8 @@ def throw_inertias(
 
 
 def cylinder_inertia(
-    engine: EngineLayout, number: int, rod: ConnectingRod | RodModel, angles: FloatArray
-) -> FloatArray:
+    engine: EngineLayout, number: int, rod: ConnectingRod | RodModel, angles: Array
+) -> Array:
     """Return the inertia of a cylinder's piston and rod, reduced to the crank, over its angle.
 
     Parameters
@@ -483,7 +469,7 @@ def cylinder_inertia(
     return np.asarray(inertia + rod.inertia * motion.rod.first**2)
 
 
-def _masses(field: str, masses: ArrayLike) -> FloatArray:
+def _masses(field: str, masses: ArrayLike) -> Array:
     why = "it adds to the inertia of the throw"
     checked = finite_array(field, masses)
     if checked.ndim == 0:

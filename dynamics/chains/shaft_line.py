@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import model_validator
 
 from crankbase.array_checks import SMALLEST, nonnegative_number, positive_number
-from crankbase.choices import check_choice, whole_number, whole_within
+from crankbase.choices import check_choice, check_kind, check_some, whole_number, whole_within
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.chains.coupling_damping import (
     LARGEST_PSI,
@@ -484,8 +484,7 @@ Piece = ShaftCone | Coupling | RigidBody | Propeller
 Spreading = Literal["consistent", "lumped"]
 
 
-@summarized("name", "length [m]", "mass [kg]", "polar_inertia [kg m^2]", "pieces")
-@dataclass(frozen=True)
+@frozen("name", "length [m]", "mass [kg]", "polar_inertia [kg m^2]", "pieces")
 class ShaftLine:
     """Pieces of shaft, couplings, bodies and a propeller in a row, from left to right.
 
@@ -507,16 +506,10 @@ class ShaftLine:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pieces", tuple(self.pieces))
-        if not self.pieces:
-            raise InputError(
-                "pieces: given none; allowed are one or more, because a shaft line has pieces."
-            )
+        check_some("pieces", self.pieces, "a shaft line has pieces")
         for place, piece in enumerate(self.pieces):
-            if not isinstance(piece, ShaftCone | Coupling | RigidBody | Propeller):
-                raise InputError(
-                    f"pieces[{place}]: given {piece!r}; allowed are pieces of shaft, couplings, bodies and "
-                    "propellers, because a shaft line consists of these."
-                )
+            allowed = "a piece of shaft, a coupling, a body or a propeller"
+            check_kind(f"pieces[{place}]", piece, Piece, allowed)
 
     @property
     def length(self) -> float:
@@ -536,11 +529,7 @@ class ShaftLine:
     @property
     def section_modulus(self) -> float:
         """Smallest torsional section modulus of its pieces of shaft [m^3]."""
-        if not self._shafts:
-            raise InputError(
-                "pieces: given no piece of shaft; allowed are one or more, because stress belongs to a "
-                "cross section."
-            )
+        check_some("pieces of shaft", self._shafts, "stress belongs to a cross section")
         return min(piece.section_modulus for piece in self._shafts)
 
     def compliance(self, kind: Motion) -> float:

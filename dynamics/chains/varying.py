@@ -6,7 +6,7 @@ from typing import Protocol, Self, TypeGuard, runtime_checkable
 import numpy as np
 from pydantic import model_validator
 
-from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.array_checks import Array, ComplexArray
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
 
@@ -18,7 +18,7 @@ TEMPERATURES = (150.0, 700.0)
 class StiffnessLaw(Protocol):
     """A complex stiffness that varies, as that of a coupling or a journal bearing."""
 
-    def added(self, w: FloatArray, speed: FloatArray) -> ComplexArray:
+    def added(self, w: Array, speed: Array) -> ComplexArray:
         """Return what it is beyond the constant one [N m/rad or N/m], (m,).
 
         Parameters
@@ -38,7 +38,7 @@ class AmplitudeLaw(StiffnessLaw, Protocol):
         """Whether it does."""
         ...
 
-    def at_amplitude(self, speeds: FloatArray, amplitudes: FloatArray) -> StiffnessLaw:
+    def at_amplitude(self, speeds: Array, amplitudes: Array) -> StiffnessLaw:
         """Return it with the amplitudes [rad or m] at ascending speeds [rad/s], (S,) each."""
         ...
 
@@ -64,11 +64,11 @@ class VaryingSpring:
     Of its stiffness, `constant` beyond the constant one of the law is part of the system's matrices.
     """
 
-    row: FloatArray
+    row: Array
     law: StiffnessLaw
     constant: complex = 0j
 
-    def added(self, w: FloatArray, speed: FloatArray) -> ComplexArray:
+    def added(self, w: Array, speed: Array) -> ComplexArray:
         """Return its stiffness beyond that in the matrices, at frequencies and speeds (m,) [rad/s]."""
         return self.law.added(w, speed) - self.constant
 
@@ -217,18 +217,18 @@ class VaryingPart:
     stiffness: float
     loss_factor: float
     damping: float
-    amplitudes: tuple[FloatArray, FloatArray] | None = None
+    amplitudes: tuple[Array, Array] | None = None
 
     @property
     def over_amplitude(self) -> bool:
         """Whether it depends on the amplitude of vibration."""
         return self.variation.amplitude is not None
 
-    def at_amplitude(self, speeds: FloatArray, amplitudes: FloatArray) -> "VaryingPart":
+    def at_amplitude(self, speeds: Array, amplitudes: Array) -> "VaryingPart":
         """Return the law for amplitudes at speeds."""
         return replace(self, amplitudes=(speeds, amplitudes))
 
-    def constants(self, w: FloatArray, speed: FloatArray) -> tuple[FloatArray, ...]:
+    def constants(self, w: Array, speed: Array) -> tuple[Array, ...]:
         """Return stiffness, loss factor and damping at frequencies and speeds (m,) [rad/s]."""
         course = self.variation
         weights = [
@@ -238,7 +238,7 @@ class VaryingPart:
             for name, points in course.axes.items()
         ]
 
-        def values(table: Table | None, constant: float) -> FloatArray:
+        def values(table: Table | None, constant: float) -> Array:
             known = np.full(w.size, constant)
             if table is not None:
                 known = np.multiply.outer(np.array(table, dtype=np.float64), np.ones(w.size))
@@ -252,13 +252,13 @@ class VaryingPart:
             self.damping * values(course.damping, 1.0),
         )
 
-    def added(self, w: FloatArray, speed: FloatArray) -> ComplexArray:
+    def added(self, w: Array, speed: Array) -> ComplexArray:
         """Return its complex stiffness beyond k (1 + i loss_factor) + i w damping."""
         stiffness, loss, damping = self.constants(w, speed)
         springs = stiffness * (1.0 + 1j * loss) - self.stiffness * (1.0 + 1j * self.loss_factor)
         return np.asarray(springs + 1j * w * (damping - self.damping))
 
-    def _at(self, axis: str, w: FloatArray, speed: FloatArray) -> FloatArray:
+    def _at(self, axis: str, w: Array, speed: Array) -> Array:
         course = self.variation
         if axis == "frequency":
             return w / (2.0 * np.pi)

@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray, one_for_each
+from crankbase.array_checks import Array, Flags, Integers, one_for_each
 from crankbase.choices import whole_within
 from crankbase.errors import InputError
 from crankbase.results import result
@@ -43,15 +42,15 @@ class JoinedLine:
 
     kind: Kind
     chain: Chain
-    motions: FloatArray
-    unknowns: NDArray[np.int64]
+    motions: Array
+    unknowns: Integers
 
     @property
     def names(self) -> tuple[str, ...]:
         """Of its nodes behind the section, such as "propeller rz"."""
         return tuple(f"{name} {MOTION_OF[self.kind]}" for name in self.chain.names[1:])
 
-    def rigid_motions(self) -> tuple[FloatArray | None, list[tuple[FloatArray, str]]]:
+    def rigid_motions(self) -> tuple[Array | None, list[tuple[Array, str]]]:
         """Return the motions that no spring of the line resists.
 
         Returns
@@ -121,18 +120,18 @@ class Stations:
         Along the shaft, from main bearing 1 [m].
     """
 
-    motions: FloatArray
-    axial_mass: FloatArray
-    lateral_mass: FloatArray
-    polar: FloatArray
-    diametral: FloatArray
-    positions: FloatArray
+    motions: Array
+    axial_mass: Array
+    lateral_mass: Array
+    polar: Array
+    diametral: Array
+    positions: Array
 
-    def of(self, kept: FloatArray) -> "Stations":
+    def of(self, kept: Array) -> "Stations":
         """Return the stations for some of the unknowns."""
         return replace(self, motions=self.motions[:, :, kept])
 
-    def energy_shares(self, shapes: FloatArray, added_mass: FloatArray) -> FloatArray:
+    def energy_shares(self, shapes: Array, added_mass: Array) -> Array:
         """Split the energy of motions (u, k) into axial, torsional and bending shares (3, k), with the sum 1.
 
         `added_mass` (2, u, u) is that of bodies that only move along the shaft, and that only turn about it.
@@ -167,10 +166,10 @@ class Stations:
 def shaft_stations(
     throws: Sequence[ShaftThrow],
     around: ShaftSurroundings,
-    pin_masses: FloatArray,
-    starts: FloatArray,
-    section_motions: FloatArray,
-    pin_slices: Sequence[FloatArray],
+    pin_masses: Array,
+    starts: Array,
+    section_motions: Array,
+    pin_slices: Sequence[Array],
 ) -> Stations:
     """Build the stations of an assembled shaft.
 
@@ -206,7 +205,7 @@ def shaft_stations(
     )
 
 
-def on_axis(center: FloatArray) -> FloatArray:
+def on_axis(center: Array) -> Array:
     """Return the matrix (6, 6) from a pin's motion to that of its slice where the shaft axis passes.
 
     Parameters
@@ -275,30 +274,30 @@ class AssembledShaft:
         Moment about the shaft axis of unit forces along the motions of `pins` that lie there [m].
     """
 
-    mass: FloatArray
-    stiffness: FloatArray
-    damping: FloatArray
-    loss: FloatArray
-    rigid: FloatArray
+    mass: Array
+    stiffness: Array
+    damping: Array
+    loss: Array
+    rigid: Array
     rigid_names: tuple[str, ...]
-    sections: FloatArray = field(repr=False)
-    pins: FloatArray = field(repr=False)
+    sections: Array = field(repr=False)
+    pins: Array = field(repr=False)
     stations: Stations = field(repr=False)
-    added: FloatArray = field(repr=False)
-    added_mass: FloatArray = field(repr=False)
-    added_springs: FloatArray = field(repr=False)
-    spring_kinds: NDArray[np.int64]
-    damped_springs: NDArray[np.bool_]
-    dashpots: FloatArray = field(repr=False)
+    added: Array = field(repr=False)
+    added_mass: Array = field(repr=False)
+    added_springs: Array = field(repr=False)
+    spring_kinds: Integers
+    damped_springs: Flags
+    dashpots: Array = field(repr=False)
     varying: tuple[VaryingSpring, ...] = field(repr=False)
-    positions: FloatArray
+    positions: Array
     pin_throws: tuple[int, ...]
     names: tuple[str, ...]
-    momenta: FloatArray = field(repr=False)
-    moments: FloatArray = field(repr=False)
+    momenta: Array = field(repr=False)
+    moments: Array = field(repr=False)
 
     @property
-    def expand(self) -> FloatArray:
+    def expand(self) -> Array:
         """Motions of sections, pins and added bodies per unknown, (points, u)."""
         return np.vstack((self.sections, self.pins, self.added))
 
@@ -402,7 +401,7 @@ def assemble_crankshaft(
     held, dashpots, varying = [], [], []
 
     def join(
-        row: FloatArray,
+        row: Array,
         spring: float,
         dashpot: float,
         loss_factor: float = 0.0,
@@ -520,15 +519,15 @@ def _supports(
 
 def _rigid_motions(
     around: ShaftSurroundings,
-    places: FloatArray,
+    places: Array,
     first_ring: int,
     lines: Sequence[JoinedLine],
     size: int,
-) -> tuple[FloatArray, tuple[str, ...]]:
+) -> tuple[Array, tuple[str, ...]]:
     """Return the unit motions (size, r) that no stiffness resists, as columns, and their names."""
     unit, count = np.eye(size), len(places)
 
-    def motion(values: dict[int, FloatArray | float]) -> FloatArray:
+    def motion(values: dict[int, Array | float]) -> Array:
         column = np.zeros(size)
         for component, value in values.items():
             column[component : 6 * count : 6] = value

@@ -7,9 +7,9 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray, positive_number
+from crankbase.array_checks import Array, Integers, positive_number
+from crankbase.choices import check_some, whole_within
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, result
@@ -166,7 +166,7 @@ def match_modes(
 
 def mode_likeness(
     shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain, wanted: Sequence[int]
-) -> FloatArray:
+) -> Array:
     """Return how much each mode of the whole shaft moves the chain's nodes as the chain's modes do.
 
     Parameters
@@ -222,7 +222,7 @@ def mode_likeness(
     return likeness
 
 
-def followed_modes(masses: FloatArray, shapes: Sequence[FloatArray]) -> NDArray[np.int64]:
+def followed_modes(masses: Array, shapes: Sequence[Array]) -> Integers:
     """Follow modes by their shapes from one shaft to the next of the same masses.
 
     Parameters
@@ -423,11 +423,7 @@ class FlywheelTilts(Result):
 
 def _elastic(chain: EngineChain, mode: int) -> float:
     frequencies = chain.chain.modes().elastic_frequencies
-    if not 1 <= mode <= len(frequencies):
-        raise InputError(
-            f"mode: given {mode}; allowed is 1 to {len(frequencies)}, because the chain has so many elastic "
-            "modes."
-        )
+    whole_within("mode", mode, 1, len(frequencies), "the chain has so many elastic modes")
     return float(frequencies[mode - 1])
 
 
@@ -473,9 +469,9 @@ class ResponseMatch:
     """
 
     kind: Kind
-    speeds: FloatArray
-    chain: FloatArray
-    shaft: FloatArray
+    speeds: Array
+    chain: Array
+    shaft: Array
     running_range: tuple[float, float] = (0.0, np.inf)
 
     @property
@@ -547,10 +543,7 @@ class ChainVerdict(Result):
     response: Internal[ResponseMatch | None] = None
 
     def __post_init__(self) -> None:
-        if not self.modes:
-            raise InputError(
-                "modes: given none; allowed is one or more, because a chain is judged by its modes."
-            )
+        check_some("modes", self.modes, "a chain is judged by its modes")
 
     @cached_property
     def kind(self) -> Kind:

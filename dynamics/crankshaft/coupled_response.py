@@ -5,9 +5,9 @@ from dataclasses import replace
 from functools import cached_property, reduce
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.array_checks import Array, ComplexArray, Flags
 from crankbase.choices import check_kind, is_whole_within
 from crankbase.diagrams import (
     BLUE,
@@ -142,12 +142,12 @@ class CoupledResponse:
         return cylinders if self.further is None else (*cylinders, self.further)
 
     @property
-    def orders(self) -> FloatArray:
+    def orders(self) -> Array:
         """(K,), in cycles per revolution."""
         return self.tangential.orders
 
     @property
-    def speeds(self) -> FloatArray:
+    def speeds(self) -> Array:
         """(S,) [rad/s]."""
         return self.tangential.speeds
 
@@ -164,7 +164,7 @@ class CoupledResponse:
         )
 
     @property
-    def unbounded(self) -> NDArray[np.bool_]:
+    def unbounded(self) -> Flags:
         """Where one of the responses is unbounded, (K, S)."""
         return self.total.unbounded
 
@@ -312,14 +312,14 @@ class SplitMotion:
     """
 
     point: str
-    tangential: FloatArray
-    radial: FloatArray
-    both: FloatArray
-    tangential_sum: FloatArray
-    radial_sum: FloatArray
-    both_sum: FloatArray
-    orders: FloatArray
-    speeds: FloatArray
+    tangential: Array
+    radial: Array
+    both: Array
+    tangential_sum: Array
+    radial_sum: Array
+    both_sum: Array
+    orders: Array
+    speeds: Array
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the synthesized amplitude over the speed, by tangential, radial and all forces.
@@ -346,7 +346,7 @@ class SplitMotion:
         """
         unit = point_unit(self.point)
         plane = ("order", "speed")
-        variables: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {}
+        variables: dict[str, tuple[tuple[str, ...], Array, str, str]] = {}
         for kind in ("tangential", "radial", "both"):
             words = "all forces" if kind == "both" else f"{kind} forces"
             variables[kind] = (plane, getattr(self, kind), unit, f"amplitude by {words}")
@@ -408,7 +408,7 @@ def coupled_response(
 
 
 def split_curves(
-    speeds: FloatArray, sums: tuple[FloatArray, FloatArray, FloatArray], factor: float, label: str
+    speeds: Array, sums: tuple[Array, Array, Array], factor: float, label: str
 ) -> Diagram:
     """Describe an amplitude over the speed by all, by tangential and by radial forces.
 

@@ -4,7 +4,7 @@ from dataclasses import field, replace
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray, positive_number, positive_vector
+from crankbase.array_checks import Array, positive_number, positive_vector
 from crankbase.choices import check_choice, whole_within
 from crankbase.diagrams import draw_diagram, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
@@ -60,17 +60,17 @@ class ShaftModes:
         Of the stations along the shaft [m].
     """
 
-    angular_frequencies: FloatArray
-    shapes: FloatArray = field(repr=False)
+    angular_frequencies: Array
+    shapes: Array = field(repr=False)
     rigid: int
     names: tuple[str, ...]
-    shares: FloatArray
-    crankshaft_shares: FloatArray
-    motions: FloatArray = field(repr=False)
-    positions: FloatArray = field(repr=False)
+    shares: Array
+    crankshaft_shares: Array
+    motions: Array = field(repr=False)
+    positions: Array = field(repr=False)
 
     @property
-    def frequencies(self) -> FloatArray:
+    def frequencies(self) -> Array:
         """Natural frequencies [Hz], (q,)."""
         return self.angular_frequencies / (2.0 * np.pi)
 
@@ -209,7 +209,7 @@ def crankshaft_modes(shaft: AssembledShaft) -> ShaftModes:
     )
 
 
-def rotation_ratio(speed: float, angular_frequencies: FloatArray) -> FloatArray:
+def rotation_ratio(speed: float, angular_frequencies: Array) -> Array:
     """Return speed of rotation over natural frequency, which shows the effect of the rotating frame.
 
     Parameters
@@ -263,7 +263,7 @@ class CrankshaftSystem:
     kept: int
     corrections: int
     highest_frequency: float | None
-    momenta: FloatArray = field(repr=False)
+    momenta: Array = field(repr=False)
 
     @property
     def names(self) -> tuple[str, ...]:

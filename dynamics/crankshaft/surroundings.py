@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     finite_array,
     nonnegative_number,
     positive_number,
@@ -17,7 +17,7 @@ from crankbase.array_checks import (
 from crankbase.choices import whole_number
 from crankbase.errors import InputError, quoted
 from crankbase.results import result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import Kind
@@ -59,10 +59,10 @@ class ShaftThrow:
         If shapes do not fit, a matrix is not symmetric, or a number is not finite.
     """
 
-    stiffness: FloatArray
-    mass: FloatArray
-    pin_loads: FloatArray = field(repr=False)
-    pins: FloatArray
+    stiffness: Array
+    mass: Array
+    pin_loads: Array = field(repr=False)
+    pins: Array
     length: float
     _: KW_ONLY
     crank_angle_deg: float = 0.0
@@ -109,7 +109,7 @@ class ShaftThrow:
         return len(self.stiffness) - 12 - 2 * self.bending
 
     @property
-    def turn(self) -> FloatArray:
+    def turn(self) -> Array:
         """Matrix (12 + 2 b + m, ...) from motions in the throw frame to those in the shaft frame."""
         turn = np.eye(len(self.stiffness))
         turn[:12, :12] = np.kron(np.eye(4), rotation(math.radians(self.crank_angle_deg)))
@@ -123,7 +123,7 @@ class ShaftThrow:
         return float(along @ self.mass @ along), float(about @ self.mass @ about)
 
 
-def rotation(angle: float) -> FloatArray:
+def rotation(angle: float) -> Array:
     """Return the matrix (3, 3) that turns a vector by an angle [rad] about z."""
     cosine, sine = math.cos(angle), math.sin(angle)
     return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
@@ -166,7 +166,7 @@ class EndBody:
             return 0.5 * self.polar_inertia
         return self.diametral_inertia
 
-    def mass_matrix(self, outward: float) -> FloatArray:
+    def mass_matrix(self, outward: float) -> Array:
         """Return the mass matrix (6, 6) of its section; `outward` is -1 at the free end, else 1.
 
         Raises
@@ -178,7 +178,7 @@ class EndBody:
         center = self.center_motion(outward)
         return np.asarray(center.T @ np.diag(diagonal) @ center)
 
-    def center_motion(self, outward: float) -> FloatArray:
+    def center_motion(self, outward: float) -> Array:
         """Return the motion of its center per motion of its section, (6, 6); as `mass_matrix`."""
         if outward not in (-1, 1):
             raise InputError(
@@ -208,7 +208,7 @@ class MainBearings:
     damping: float | Sequence[float] = 0.0
     variation: Variation | None = None
 
-    def at(self, sections: int) -> tuple[FloatArray, FloatArray]:
+    def at(self, sections: int) -> tuple[Array, Array]:
         """Return stiffness and damping of each section.
 
         Raises
@@ -253,8 +253,7 @@ class AxialSupport:
         nonnegative_number("axial support damping", self.damping, "N s/m", "damping takes energy")
 
 
-@summarized("bearings", "axial_supports", "loss_factor")
-@dataclass(frozen=True)
+@frozen("bearings", "axial_supports", "loss_factor")
 class ShaftSurroundings:
     """Surroundings of the throws: bearings, supports, flywheel, free end.
 
@@ -323,7 +322,7 @@ class ShaftSurroundings:
         return [(name, ring, section) for name, ring, section in both if ring is not None]
 
 
-def _each(name: str, stiffness: ArrayLike, count: int, *, held: bool) -> FloatArray:
+def _each(name: str, stiffness: ArrayLike, count: int, *, held: bool) -> Array:
     values = np.array(stiffness, dtype=np.float64)
     values = np.full(count, values) if values.ndim == 0 else values
     allowed = "zero or more, or infinite for one that is held" if held else "zero or more"

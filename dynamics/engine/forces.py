@@ -2,15 +2,15 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     checked_degrees,
     finite_array,
     finite_vector,
@@ -19,7 +19,7 @@ from crankbase.array_checks import (
     radians_of,
     turning_speeds,
 )
-from crankbase.choices import is_whole, whole_within
+from crankbase.choices import check_some, is_whole, whole_within
 from crankbase.diagrams import (
     BLUE,
     GREEN,
@@ -36,7 +36,7 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.quantity import format_number
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import check_even_cycle, cycle_degrees, even_angles, has_closing_sample
 from dynamics.engine import RodModelName
 from dynamics.engine.layout import (
@@ -57,8 +57,7 @@ SEARCH_ANGLES = 360
 NEWTON_STEPS = 8
 
 
-@summarized("piston.place [m]")
-@dataclass(frozen=True, eq=False)
+@frozen("piston.place [m]", eq=False)
 class CylinderMotion:
     """Motion of one cylinder's parts in its own frame, s + i n, over shaft angles.
 
@@ -88,7 +87,7 @@ def cylinder_motion(
     return parts_motion(engine, number, radians_of("shaft_angles_deg", shaft_angles_deg))
 
 
-def parts_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray) -> CylinderMotion:
+def parts_motion(engine: EngineLayout, number: int, shaft_angles: Array) -> CylinderMotion:
     """Return the motion of a cylinder's parts at shaft angles [rad] of shape (m,), unchecked."""
     cylinder = engine.cylinder(number)
     if cylinder.slave_pin is None:
@@ -114,7 +113,7 @@ def piston_ends(engine: EngineLayout, number: int) -> tuple[float, float]:
 
 def reduced_inertia(
     engine: EngineLayout, models: tuple[RodModel, ...], *, shaft_angles_deg: ArrayLike
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Array, Array]:
     """Return the inertia reduced to the crank, I in T = I w^2 / 2, and its derivative by the angle.
 
     Parameters
@@ -162,9 +161,7 @@ TURN = 2.0 * np.pi
 FEWEST, MOST = 64, 32768
 
 
-def turn_spectrum(
-    function: Callable[[FloatArray], NDArray[np.float64] | ComplexArray], highest: int
-) -> ComplexArray:
+def turn_spectrum(function: Callable[[Array], Array | ComplexArray], highest: int) -> ComplexArray:
     """Return the Fourier coefficients of functions of the shaft angle, f = sum of c_k exp(i k phi).
 
     Parameters
@@ -215,7 +212,7 @@ def checked_cylinder(engine: EngineLayout, number: int) -> int:
 
 def piston_acceleration(
     engine: EngineLayout, number: int, speed: float, *, angles_deg: ArrayLike
-) -> FloatArray:
+) -> Array:
     """Return the acceleration of a piston towards the shaft, at constant speed.
 
     Parameters
@@ -286,7 +283,7 @@ def acceleration_orders(
     return harmonics(piston_acceleration(engine, number, speed, angles_deg=angles), strokes=2)
 
 
-def order_part(spectrum: Harmonics, order: int, angles: FloatArray) -> FloatArray:
+def order_part(spectrum: Harmonics, order: int, angles: Array) -> Array:
     """Return one order of an acceleration at crank angles (m,) [rad], shape (m,) [m/s^2]."""
     place = spectrum.index_of(order)
     return np.asarray(
@@ -295,8 +292,7 @@ def order_part(spectrum: Harmonics, order: int, angles: FloatArray) -> FloatArra
     )
 
 
-@summarized("speed [rad/s]", "model", "gas [N]", "torque [N m]")
-@dataclass(frozen=True, eq=False)
+@frozen("speed [rad/s]", "model", "gas [N]", "torque [N m]", eq=False)
 class MechanismForces:
     """Forces over shaft angles, cylinder by cylinder: arrays of shape (n, m) [N].
 
@@ -323,12 +319,12 @@ class MechanismForces:
     """
 
     engine: EngineLayout
-    shaft_angles_deg: FloatArray
-    speed: FloatArray
-    crank_acceleration: FloatArray
+    shaft_angles_deg: Array
+    speed: Array
+    crank_acceleration: Array
     model: RodModelName
-    gas: FloatArray
-    side: FloatArray
+    gas: Array
+    side: Array
     piston_pin: ComplexArray
     foot: ComplexArray
     crankpin: ComplexArray
@@ -345,17 +341,17 @@ class MechanismForces:
         return self.crankpin * turn
 
     @property
-    def tangential(self) -> FloatArray:
+    def tangential(self) -> Array:
         """T, on the crankpin in the sense of rotation, of each cylinder (n, m) [N]."""
         return self.in_crank_frame.imag
 
     @property
-    def radial(self) -> FloatArray:
+    def radial(self) -> Array:
         """Z, on the crankpin towards the shaft axis, of each cylinder (n, m) [N]."""
         return -self.in_crank_frame.real
 
     @property
-    def torque(self) -> FloatArray:
+    def torque(self) -> Array:
         """R T, of each cylinder on the shaft, positive when it drives (n, m) [N m]."""
         return self.engine.crank_radius * self.tangential
 
@@ -396,7 +392,7 @@ def piston_forces(forces: MechanismForces, cylinder: int) -> Diagram:
         forces.shaft_angles_deg - forces.engine.firing_deg[cylinder - 1]
     ) % cycle_degrees(forces.engine.strokes)
     order = np.argsort(since_firing)
-    looks: tuple[tuple[FloatArray, str, Dash, str], ...] = (
+    looks: tuple[tuple[Array, str, Dash, str], ...] = (
         (forces.gas, BLUE, "solid", "gas, towards the shaft"),
         (forces.tangential, ORANGE, "dash", "tangential, T"),
         (forces.side, GREEN, "dashdot", "side, N"),
@@ -416,13 +412,13 @@ def piston_forces(forces: MechanismForces, cylinder: int) -> Diagram:
 
 def mechanism_forces(
     engine: EngineLayout,
-    speed: float | FloatArray,
+    speed: float | Array,
     gas: ArrayLike = 0.0,
     *,
     shaft_angles_deg: ArrayLike,
     model: RodModelName = "rigid",
     friction: ArrayLike = 0.0,
-    crank_acceleration: float | FloatArray = 0.0,
+    crank_acceleration: float | Array = 0.0,
 ) -> MechanismForces:
     """Find the forces on pistons, rods and crankpins.
 
@@ -454,10 +450,7 @@ def mechanism_forces(
     """
     angles_deg = checked_degrees("shaft_angles_deg", shaft_angles_deg, vector=True)
     angles = np.radians(angles_deg)
-    if angles.size == 0:
-        raise InputError(
-            "shaft_angles_deg: given none; allowed are one or more, because forces are those at an angle."
-        )
+    check_some("shaft_angles_deg", angles, "forces are those at an angle")
     shape = (len(engine.cylinders), angles.size)
     turning = over_angles("speed", turning_speeds("speed", speed), angles)
     gaining = over_angles("crank_acceleration", crank_acceleration, angles)
@@ -507,7 +500,7 @@ def mechanism_forces(
     )
 
 
-def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: str) -> FloatArray:
+def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: str) -> Array:
     """Return finite values as an array, broadcast to a shape."""
     array = finite_array(field, values)
     try:
@@ -519,7 +512,7 @@ def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: 
         ) from None
 
 
-def over_angles(field: str, values: ArrayLike, angles: FloatArray) -> FloatArray:
+def over_angles(field: str, values: ArrayLike, angles: Array) -> Array:
     """Return a quantity of the shaft at each of its angles (m,) [rad]; see `spread_array`."""
     return spread_array(field, values, angles.shape, "there is one value for each shaft angle")
 
@@ -560,7 +553,7 @@ Curve = TypeVar("Curve", bound=Cyclic)
 class Pressure(Cyclic, Protocol):
     """A pressure over the working cycle."""
 
-    def at(self, *, angle_deg: ArrayLike) -> FloatArray:
+    def at(self, *, angle_deg: ArrayLike) -> Array:
         """Return the absolute pressure [Pa] at angles [deg] from the firing top."""
         ...
 
@@ -571,7 +564,7 @@ def gas_forces(
     crankcase_pressure: float = ATMOSPHERE,
     *,
     shaft_angles_deg: ArrayLike,
-) -> FloatArray:
+) -> Array:
     """Return the gas force on each piston towards the shaft.
 
     Parameters
@@ -702,8 +695,7 @@ def _with_assumed(pressure: GasPressure, assumed: tuple[str, ...]) -> GasPressur
 FEWEST_ANGLES = 3
 
 
-@summarized("name", "maximum [N]", "maximum_angle_deg [deg]", "mean [N]", "angles_deg")
-@dataclass(frozen=True, eq=False)
+@frozen("name", "maximum [N]", "maximum_angle_deg [deg]", "mean [N]", "angles_deg", eq=False)
 class LoadDiagram:
     """The force on one bearing over a working cycle.
 
@@ -720,7 +712,7 @@ class LoadDiagram:
     """
 
     name: str
-    angles_deg: FloatArray
+    angles_deg: Array
     force: ComplexArray
     crank_angle_deg: float
 
@@ -732,7 +724,7 @@ class LoadDiagram:
         )
 
     @property
-    def magnitude(self) -> FloatArray:
+    def magnitude(self) -> Array:
         """Size of the force, shape (m,) [N]."""
         return np.abs(self.force)
 
@@ -751,7 +743,7 @@ class LoadDiagram:
         """Shaft angle of the largest force [deg]."""
         return float(self.angles_deg[int(np.argmax(self.magnitude))])
 
-    def specific_pressure(self, diameter: float, length: float) -> FloatArray:
+    def specific_pressure(self, diameter: float, length: float) -> Array:
         """Return the magnitude of the force over the journal's projected area, shape (m,) [Pa].
 
         Parameters
@@ -763,7 +755,7 @@ class LoadDiagram:
         along = positive_number("bearing length", length, "m", "it is a length")
         return self.magnitude / (across * along)
 
-    def columns(self) -> dict[str, FloatArray]:
+    def columns(self) -> dict[str, Array]:
         """Return the columns of a table of the diagram, each of shape (m,), units in the names."""
         turning = self.in_crank_frame
         return {

@@ -11,16 +11,16 @@ from typing import Annotated
 import numpy as np
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     finite_array,
     nonnegative_number,
     positive_number,
     refuse_crank_radians,
 )
-from crankbase.choices import is_whole, whole_within
+from crankbase.choices import check_kind, check_some, is_whole, whole_within
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.engine.rods import (
     ConnectingRod,
@@ -255,7 +255,7 @@ def least_uneven_order(
     return _order_of(angles[best]), tuple(steps[best].tolist())
 
 
-def _order_of(angles: FloatArray) -> tuple[int, ...]:
+def _order_of(angles: Array) -> tuple[int, ...]:
     return tuple((1 + np.argsort(np.round(angles, 9), kind="stable")).tolist())
 
 
@@ -346,7 +346,7 @@ class SlavePin:
         return cmath.rect(self.radius, math.radians(self.angle_deg))
 
 
-@summarized(
+@frozen(
     "bore [m]",
     "piston_mass [kg]",
     "crank_angle_deg [deg]",
@@ -354,7 +354,6 @@ class SlavePin:
     "position [m]",
     "pin_offset [m]",
 )
-@dataclass(frozen=True)
 class EngineCylinder:
     """One cylinder with its piston and rod, and its position.
 
@@ -388,10 +387,7 @@ class EngineCylinder:
     slave_pin: SlavePin | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.rod, ConnectingRod):
-            raise InputError(
-                f"rod: given {self.rod!r}; allowed is a ConnectingRod, because its mass and length count."
-            )
+        check_kind("rod", self.rod, ConnectingRod, "a ConnectingRod")
         positive_number("bore", self.bore, "m", "it is a length")
         positive_number("piston_mass", self.piston_mass, "kg", "it is a mass")
         for name in ("crank_angle_deg", "bank_angle_deg", "position", "pin_offset"):
@@ -434,14 +430,14 @@ class RotatingMass(Result):
 
 
 def cylinder_crankpin(
-    cylinder: EngineCylinder, crank_radius: float, shaft_angles: FloatArray
+    cylinder: EngineCylinder, crank_radius: float, shaft_angles: Array
 ) -> PointMotion:
     """Return the motion of a crankpin in its cylinder's frame, shaft angles [rad] of shape (m,)."""
     return crankpin_motion(crank_radius, shaft_angles - math.radians(cylinder.top_shaft_angle_deg))
 
 
 def hinged_foot(
-    crank_radius: float, main: EngineCylinder, hinged: EngineCylinder, shaft_angles: FloatArray
+    crank_radius: float, main: EngineCylinder, hinged: EngineCylinder, shaft_angles: Array
 ) -> PointMotion:
     """Return the motion of a slave pin in the frame of the hinged rod's cylinder.
 
@@ -472,8 +468,7 @@ TRIED_ANGLES = 720
 SAME_PLACE = 1e-9
 
 
-@summarized("cylinders", "crank_radius [m]", "firing_order", "strokes")
-@dataclass(frozen=True)
+@frozen("cylinders", "crank_radius [m]", "firing_order", "strokes")
 class EngineLayout:
     """The mechanism of a whole engine.
 
@@ -522,10 +517,7 @@ class EngineLayout:
         checked_strokes(self.strokes)
         for name in ("cylinders", "rotating"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
-        if not self.cylinders:
-            raise InputError(
-                "cylinders: given none; allowed are one or more, because an engine has cylinders."
-            )
+        check_some("cylinders", self.cylinders, "an engine has cylinders")
         for number, cylinder in enumerate(self.cylinders, start=1):
             self._check_rod(number, cylinder)
         refuse_crank_radians(

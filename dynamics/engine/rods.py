@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     check_shape,
     finite_array,
     positive_number,
@@ -17,7 +17,7 @@ from crankbase.array_checks import (
 )
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.engine import ROD_MODELS, RodModelName
 
 # A rod may reach beyond its pins, and to each side, by this share of its length: room for big ends.
@@ -105,8 +105,7 @@ class ConnectingRod:
         return _MAKERS[name](self)
 
 
-@summarized("name", "length [m]", "mass [kg]", "center", "inertia [kg m^2]")
-@dataclass(frozen=True)
+@frozen("name", "length [m]", "mass [kg]", "center", "inertia [kg m^2]")
 class RodModel:
     """Point masses on a rod, with an additional inertia in some models.
 
@@ -196,8 +195,7 @@ _MAKERS = {
 }
 
 
-@summarized("place [m]", "first", "second")
-@dataclass(frozen=True, eq=False)
+@frozen("place [m]", "first", "second", eq=False)
 class PointMotion:
     """A moving point.
 
@@ -213,12 +211,12 @@ class PointMotion:
     first: ComplexArray
     second: ComplexArray
 
-    def velocity(self, speed: float | FloatArray) -> ComplexArray:
+    def velocity(self, speed: float | Array) -> ComplexArray:
         """Return the velocity at a crank speed [rad/s], in m/s."""
         return _at_places("speed", speed, self.first) * self.first
 
     def acceleration(
-        self, speed: float | FloatArray, crank_acceleration: float | FloatArray = 0.0
+        self, speed: float | Array, crank_acceleration: float | Array = 0.0
     ) -> ComplexArray:
         """Return the acceleration at a crank speed [rad/s] and acceleration [rad/s^2], in m/s^2.
 
@@ -232,8 +230,7 @@ class PointMotion:
         return PointMotion(turn * self.place, turn * self.first, turn * self.second)
 
 
-@summarized("angle_deg [deg]", "first", "second")
-@dataclass(frozen=True, eq=False)
+@frozen("angle_deg [deg]", "first", "second", eq=False)
 class TurnMotion:
     """The angle through which a body rotates, in the sense of rotation of the crank.
 
@@ -245,38 +242,36 @@ class TurnMotion:
         Its derivatives by the crank angle, dimensionless.
     """
 
-    angle_rad: FloatArray
-    first: FloatArray
-    second: FloatArray
+    angle_rad: Array
+    first: Array
+    second: Array
 
     @property
-    def angle_deg(self) -> FloatArray:
+    def angle_deg(self) -> Array:
         """Angle [deg], shape (m,)."""
         return np.degrees(self.angle_rad)
 
-    def acceleration(
-        self, speed: float | FloatArray, crank_acceleration: float | FloatArray = 0.0
-    ) -> FloatArray:
+    def acceleration(self, speed: float | Array, crank_acceleration: float | Array = 0.0) -> Array:
         """Return the angular acceleration [rad/s^2]; arguments and errors as of a point's."""
         return np.asarray(_acceleration(self, speed, crank_acceleration))
 
 
 def _acceleration(
-    motion: PointMotion | TurnMotion, speed: float | FloatArray, gaining: float | FloatArray
+    motion: PointMotion | TurnMotion, speed: float | Array, gaining: float | Array
 ) -> Any:
     turning = _at_places("speed", speed, motion.first)
     gains = _at_places("crank_acceleration", gaining, motion.first)
     return turning**2 * motion.second + gains * motion.first
 
 
-def _at_places(field: str, values: float | FloatArray, places: Any) -> FloatArray:
+def _at_places(field: str, values: float | Array, places: Any) -> Array:
     """Check values that are one for all positions or one for each."""
     array = finite_array(field, values)
     check_shape(field, array, (), np.shape(places))
     return array
 
 
-def crankpin_motion(crank_radius: float, angle: FloatArray) -> PointMotion:
+def crankpin_motion(crank_radius: float, angle: Array) -> PointMotion:
     """Return the motion of the crankpin R exp(i alpha), angles [rad] from the cylinder axis."""
     place = crank_radius * np.exp(1j * angle)
     return PointMotion(place, 1j * place, -place)

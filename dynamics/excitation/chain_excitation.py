@@ -1,13 +1,11 @@
 """Forces of the cylinders as excitation of an engine's chains: torques, axial forces of throws, compared."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     check_shape,
     checked_degrees,
     finite_array,
@@ -16,7 +14,7 @@ from crankbase.array_checks import (
     positive_vector,
     turning_speeds,
 )
-from crankbase.choices import is_whole, whole_number, whole_within
+from crankbase.choices import check_some, is_whole, whole_number, whole_within
 from crankbase.diagrams import (
     BLUE,
     COLORS,
@@ -33,7 +31,7 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.cylinders import CylinderForces, CylinderHarmonics
 from dynamics.excitation.pressure_map import Load
@@ -77,7 +75,7 @@ def node_torques(
     load: Load | None = None,
     *,
     shaft_angle_deg: ArrayLike,
-) -> FloatArray:
+) -> Array:
     """Return the cylinders' torques on the nodes of a torsional chain over shaft angles.
 
     This is the mean and the sum of the orders of `torque_excitation`, so time
@@ -191,7 +189,7 @@ def axial_excitation(
 
 
 def pressing_excitation(
-    orders: FloatArray, speeds: FloatArray, pressing: ComplexArray, engine_chain: "EngineChain"
+    orders: Array, speeds: Array, pressing: ComplexArray, engine_chain: "EngineChain"
 ) -> OrderExcitation:
     """Return the excitation of an axial chain by throws that push their ends apart.
 
@@ -256,10 +254,7 @@ def combined_excitation(*excitations: OrderExcitation) -> OrderExcitation:
     InputError
         If none is given, or speeds or the number of nodes differ.
     """
-    if not excitations:
-        raise InputError(
-            "excitations: given none; allowed are one or more, because they are added up."
-        )
+    check_some("excitations", excitations, "they are added up")
     first = excitations[0]
     for other in excitations[1:]:
         if (
@@ -286,7 +281,7 @@ def combined_excitation(*excitations: OrderExcitation) -> OrderExcitation:
     return OrderExcitation(orders, first.speeds, acting[:, :, :count], pressing)
 
 
-def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: float) -> FloatArray:
+def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: float) -> Array:
     """Return the lengthening of each throw per torque in each part of the shaft.
 
     Parameters
@@ -330,7 +325,7 @@ def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: f
 
 def tangential_towards_flywheel(
     tangential: ArrayLike, through: ArrayLike, crank_radius: float
-) -> FloatArray:
+) -> Array:
     """Return the lengthening per tangential force whose torque goes to the flywheel, (n, p) [m/N].
 
     Parameters
@@ -423,8 +418,7 @@ def axial_excitation_of_torsion(
     return pressing_excitation(response.orders, response.speeds, pressing, axial)
 
 
-@summarized("orders", "speeds [rad/s]", "alone [N]", "in_shaft [N]")
-@dataclass(frozen=True, eq=False)
+@frozen("orders", "speeds [rad/s]", "alone [N]", "in_shaft [N]", eq=False)
 class AxialForceComparison:
     """Exciting axial force P of each throw by order and speed, by two methods.
 
@@ -438,11 +432,11 @@ class AxialForceComparison:
         Axial mode shapes at the sections for the modal forces; q may be 0.
     """
 
-    orders: FloatArray
-    speeds: FloatArray
+    orders: Array
+    speeds: Array
     alone: ComplexArray
     in_shaft: ComplexArray
-    shapes: FloatArray
+    shapes: Array
 
     @property
     def modal_alone(self) -> ComplexArray:
@@ -455,7 +449,7 @@ class AxialForceComparison:
         return self._modal(self.in_shaft)
 
     @property
-    def difference(self) -> FloatArray:
+    def difference(self) -> Array:
         """Largest amplitude of the difference over the throws, relative to the largest in the shaft (K, S).
 
         Zero where no throw has a force of this order.
@@ -463,10 +457,10 @@ class AxialForceComparison:
         apart, most = (
             np.max(np.abs(forces), axis=2) for forces in (self.alone - self.in_shaft, self.in_shaft)
         )
-        share: FloatArray = np.divide(apart, most, out=np.zeros_like(most), where=most > 0.0)
+        share: Array = np.divide(apart, most, out=np.zeros_like(most), where=most > 0.0)
         return share
 
-    def columns(self, speed_index: int) -> dict[str, FloatArray]:
+    def columns(self, speed_index: int) -> dict[str, Array]:
         """Return a table over the orders at one of the speeds, units in the names, each (K,)."""
         place = checked_speed_index(speed_index, self.speeds)
         table = {"order": self.orders}
@@ -553,10 +547,14 @@ def compare_axial_forces(
     return AxialForceComparison(forces.orders, forces.speeds, alone, in_shaft, modes)
 
 
-@summarized(
-    "shaft_angles_deg [deg]", "speed [rad/s]", "throws [N]", "held [N]", "thrust_bearing [N]"
+@frozen(
+    "shaft_angles_deg [deg]",
+    "speed [rad/s]",
+    "throws [N]",
+    "held [N]",
+    "thrust_bearing [N]",
+    eq=False,
 )
-@dataclass(frozen=True, eq=False)
 class AxialForceOverCycle:
     """Axial forces over one cycle at constant speed, under the forces of all cylinders.
 
@@ -579,11 +577,11 @@ class AxialForceOverCycle:
     of them, only the force that accelerates the masses: that of the vibration.
     """
 
-    shaft_angles_deg: FloatArray
+    shaft_angles_deg: Array
     speed: float
-    throws: FloatArray
-    held: FloatArray
-    thrust_bearing: FloatArray | None = None
+    throws: Array
+    held: Array
+    thrust_bearing: Array | None = None
 
     def curves(self) -> Diagram:
         """Describe both forces over the shaft angle, with the cycle closed."""
@@ -614,7 +612,7 @@ class AxialForceOverCycle:
         write_title(axes, "Axial force over the cycle")
         return axes
 
-    def columns(self) -> dict[str, FloatArray]:
+    def columns(self) -> dict[str, Array]:
         """Return all forces over the shaft angle, units in the names, each (m,)."""
         columns = {"shaft_angle_deg": self.shaft_angles_deg}
         if self.thrust_bearing is not None:
@@ -636,7 +634,7 @@ def axial_force_over_cycle(
     pin_forces: ArrayLike,
     compliances: ArrayLike,
     influence: ArrayLike,
-    thrust_bearing: FloatArray | None = None,
+    thrust_bearing: Array | None = None,
     *,
     shaft_angles_deg: ArrayLike,
 ) -> AxialForceOverCycle:

@@ -2,15 +2,14 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal, cast
+from typing import Literal, TypedDict, Unpack, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     finite_vector,
     nonnegative_number,
     positive_number,
@@ -24,7 +23,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.quantity import RPM
 from crankbase.sentences import with_sentences
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import cycle_radians, even_angles, order_step
 from dynamics.engine import RodModelName
 from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angles
@@ -61,8 +60,7 @@ PRESSURE_DIAGRAM = "pressure diagram"
 
 
 @with_sentences
-@summarized("orders", "crank_radius [m]", "throws", "takes_load", "remarks")
-@dataclass(frozen=True, eq=False)
+@frozen("orders", "crank_radius [m]", "throws", "takes_load", "remarks", eq=False)
 class CylinderHarmonics:
     """Tangential and radial force of every cylinder by orders, for any speed and load.
 
@@ -81,7 +79,7 @@ class CylinderHarmonics:
         Those of the remarks that tell of changes made to the diagrams.
     """
 
-    orders: FloatArray
+    orders: Array
     crank_radius: float
     throws: tuple[int, ...]
     gas: tuple[ComplexArray, ...]
@@ -92,7 +90,7 @@ class CylinderHarmonics:
     remarks: tuple[str, ...] = ()
     changes: tuple[str, ...] = ()
 
-    def phasors(self, speeds: FloatArray, load: Load | None = None) -> ComplexArray:
+    def phasors(self, speeds: Array, load: Load | None = None) -> ComplexArray:
         """Return mean and phasors of T and Z of each cylinder, (K + 1, S, c, 2) [N].
 
         Raises
@@ -107,7 +105,7 @@ class CylinderHarmonics:
                 "load: given without a pressure map; allowed is none, because a single diagram has no load."
             )
         total = speeds[:, np.newaxis, np.newaxis] ** 2 * self.inertia[:, np.newaxis]
-        known: dict[Weights, FloatArray] = {}
+        known: dict[Weights, Array] = {}
         for place, (of_diagrams, weigh) in enumerate(zip(self.gas, self.weights, strict=True)):
             if weigh not in known:
                 known[weigh] = weigh(speeds, load)
@@ -116,7 +114,7 @@ class CylinderHarmonics:
 
     def at(
         self, speed: float | ArrayLike, load: Load | None = None, *, shaft_angle_deg: ArrayLike
-    ) -> tuple[FloatArray, FloatArray]:
+    ) -> tuple[Array, Array]:
         """Return T and Z over shaft angles, as the sum of mean and all orders.
 
         Parameters
@@ -148,6 +146,18 @@ class CylinderHarmonics:
         else:
             total = np.einsum("mk,kmcx->mcx", turning, phasors).real
         return total[..., 0], total[..., 1]
+
+
+class Mechanism(TypedDict, total=False):
+    """What forces of cylinders take into account besides the pressure; see `cylinder_forces`."""
+
+    misfire: Mapping[int, float] | None
+    motored: Pressures | None
+    model: RodModelName
+    inertia: bool
+    samples: int
+    throws: Sequence[int] | None
+    crankcase_pressure: float
 
 
 def cylinder_harmonics(
@@ -236,12 +246,12 @@ def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[i
     return tuple(throw_of[number] for number in range(1, len(engine.cylinders) + 1))
 
 
-def _pin_forces(forces: MechanismForces) -> FloatArray:
+def _pin_forces(forces: MechanismForces) -> Array:
     """Return T and Z of each cylinder (c, 2, m)."""
     return np.stack((forces.tangential, forces.radial), axis=1)
 
 
-def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelName) -> ComplexArray:
+def _inertia_phasors(engine: EngineLayout, orders: Array, model: RodModelName) -> ComplexArray:
     """Return mean and phasors of T and Z per square of the speed, which repeat every revolution."""
     whole = np.flatnonzero(orders == np.round(orders))
     angles = even_angles(TURN, max(INERTIA_SAMPLES, 2 * int(orders[-1]) + 3))
@@ -256,8 +266,9 @@ def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelNa
     return phasors
 
 
-@summarized("orders", "speeds [rad/s]", "tangential [N]", "radial [N]", "power [W]", "remarks")
-@dataclass(frozen=True, eq=False)
+@frozen(
+    "orders", "speeds [rad/s]", "tangential [N]", "radial [N]", "power [W]", "remarks", eq=False
+)
 class CylinderForces:
     """Force of each cylinder on its crankpin, by order and speed.
 
@@ -287,12 +298,12 @@ class CylinderForces:
         Whether forces of moving masses are included.
     """
 
-    orders: FloatArray
-    speeds: FloatArray
+    orders: Array
+    speeds: Array
     tangential: ComplexArray
     radial: ComplexArray
-    mean_tangential: FloatArray
-    mean_radial: FloatArray
+    mean_tangential: Array
+    mean_radial: Array
     crank_radius: float
     throws: tuple[int, ...]
     remarks: tuple[str, ...] = ()
@@ -305,12 +316,12 @@ class CylinderForces:
         return self.crank_radius * self.tangential
 
     @property
-    def mean_torque(self) -> FloatArray:
+    def mean_torque(self) -> Array:
         """Mean torque of the engine at each speed (S,) [N m]."""
         return np.asarray(self.crank_radius * self.mean_tangential.sum(axis=1))
 
     @property
-    def power(self) -> FloatArray:
+    def power(self) -> Array:
         """Indicated power, mean torque times speed (S,) [W]."""
         return self.mean_torque * self.speeds
 
@@ -319,9 +330,7 @@ class CylinderForces:
         """Number of throws."""
         return max(self.throws) + 1
 
-    def at_angle(
-        self, speed_index: int, *, shaft_angle_deg: ArrayLike
-    ) -> tuple[FloatArray, FloatArray]:
+    def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> tuple[Array, Array]:
         """Return T and Z over shaft angles at one of the speeds, the sum of mean and all orders.
 
         Returns
@@ -381,13 +390,7 @@ def cylinder_forces(
     pressure: Pressures | None = None,
     *,
     load: Load | None = None,
-    misfire: Mapping[int, float] | None = None,
-    motored: Pressures | None = None,
-    model: RodModelName = "rigid",
-    inertia: bool = True,
-    samples: int = DEFAULT_SAMPLES,
-    throws: Sequence[int] | None = None,
-    crankcase_pressure: float = ATMOSPHERE,
+    **mechanism: Unpack[Mechanism],
 ) -> CylinderForces:
     """Find the force of every cylinder on its crankpin, by order and speed.
 
@@ -448,18 +451,7 @@ def cylinder_forces(
     >>> np.abs(slow_and_fast.tangential[3, :, 0]).round(2).tolist()
     [89.24, 356.96]
     """
-    harmonics = cylinder_harmonics(
-        engine,
-        orders,
-        pressure,
-        misfire=misfire,
-        motored=motored,
-        model=model,
-        inertia=inertia,
-        samples=samples,
-        throws=throws,
-        crankcase_pressure=crankcase_pressure,
-    )
+    harmonics = cylinder_harmonics(engine, orders, pressure, **mechanism)
     return forces_at_speeds(harmonics, speeds, load)
 
 

@@ -4,13 +4,14 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Annotated, Any, Literal, cast, get_args
+from typing import Annotated, Any, Literal, TypedDict, Unpack, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
+    Integers,
     finite_array,
     finite_vector,
     nonnegative_number,
@@ -18,14 +19,14 @@ from crankbase.array_checks import (
     read_only,
     turning_speeds,
 )
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, check_some
 from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.quantity import RPM, format_quantity
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
 from crankbase.sentences import amount
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.critical import engine_orders
 from dynamics.cycle import cycle_radians, even_angles, order_numbers, order_step
 from dynamics.engine.forces import (
@@ -56,7 +57,7 @@ from dynamics.plots.curves import MEGA, draw_over_angle, from_top
 from dynamics.response.order_excitation import checked_orders, checked_speeds
 
 
-def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
+def phasors_of_samples(samples: Array) -> NDArray[np.complex128]:
     """Return mean and phasors of even samples over a cycle, angles counted from the first.
 
     Returns
@@ -71,7 +72,7 @@ def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
     return np.asarray(phasors)
 
 
-def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> NDArray[np.int64]:
+def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> Integers:
     """Return the indices of orders among the phasors of samples over a cycle.
 
     Parameters
@@ -93,7 +94,7 @@ def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> N
     return np.asarray(places, dtype=np.int64)
 
 
-def requested_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
+def requested_orders(orders: ArrayLike | float, strokes: int) -> Array:
     """Return the requested orders (K,): those given, or all up to a highest one."""
     if np.ndim(orders) == 0:
         return engine_orders(strokes, cast(float, orders))
@@ -101,14 +102,14 @@ def requested_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
 
 
 # A number, one for each speed, or a function of the speeds [rad/s].
-Load = float | ArrayLike | Callable[[FloatArray], ArrayLike]
+Load = float | ArrayLike | Callable[[Array], ArrayLike]
 # What a load is a measure of, and how it goes with the speed of a propeller.
 PROPELLER_EXPONENTS = {"torque": 2.0, "power": 3.0}
 
 
 def propeller_load(
     rated_speed: float, rated_load: float = 1.0, *, measure: Literal["torque", "power"] = "torque"
-) -> Callable[[FloatArray], FloatArray]:
+) -> Callable[[Array], Array]:
     """Return the load of an engine that drives a propeller, as a function of its speed.
 
     Parameters
@@ -137,13 +138,13 @@ def propeller_load(
     check_choice("measure", measure, PROPELLER_EXPONENTS, why)
     exponent = PROPELLER_EXPONENTS[measure]
 
-    def load(speeds: FloatArray) -> FloatArray:
+    def load(speeds: Array) -> Array:
         return np.asarray(most * (speeds / rated) ** exponent, dtype=np.float64)
 
     return load
 
 
-def load_at(load: Load, speeds: FloatArray) -> FloatArray:
+def load_at(load: Load, speeds: Array) -> Array:
     """Return the load at each speed (S,)."""
     values = finite_array("load", load(speeds) if callable(load) else load)
     if values.shape not in ((), speeds.shape):
@@ -164,19 +165,19 @@ Method = Literal["cubic", "linear"]
 SAME = 1e-9
 
 
-def sorted_unique(values: list[float]) -> FloatArray:
+def sorted_unique(values: list[float]) -> Array:
     """Return values sorted in ascending order, each once."""
     ordered = np.unique(np.array(values))
     apart = np.diff(ordered, prepend=-np.inf) > SAME * np.abs(ordered)
     return np.asarray(ordered[apart])
 
 
-def nearest_index(values: FloatArray, value: float) -> int:
+def nearest_index(values: Array, value: float) -> int:
     """Return the index of the nearest value."""
     return int(np.argmin(np.abs(values - value)))
 
 
-def axis_weights(field: str, grid: FloatArray, asked: FloatArray, method: Method) -> FloatArray:
+def axis_weights(field: str, grid: Array, asked: Array, method: Method) -> Array:
     """Return the weight of each grid value at the requested points (S, a)."""
     room = SAME * np.abs(grid[[0, -1]])
     outside = np.flatnonzero((asked < grid[0] - room[0]) | (asked > grid[-1] + room[1]))
@@ -204,8 +205,7 @@ def axis_weights(field: str, grid: FloatArray, asked: FloatArray, method: Method
 LIGHTEST, LEGEND_COLUMNS = 0.85, 4
 
 
-@summarized("speeds [rad/s]", "loads", "method", "samples", "remarks")
-@dataclass(frozen=True, eq=False)
+@frozen("speeds [rad/s]", "loads", "method", "samples", "remarks", eq=False)
 class PressureMap:
     """Pressure diagrams at points of speed and load, and the interpolation between them.
 
@@ -232,11 +232,11 @@ class PressureMap:
         diagram for each point.
     """
 
-    speeds: FloatArray
-    loads: FloatArray | None
+    speeds: Array
+    loads: Array | None
     diagrams: tuple[GasPressure, ...]
     method: Method
-    load_of_speed: FloatArray | None = None
+    load_of_speed: Array | None = None
 
     def __post_init__(self) -> None:
         speeds = checked_speeds(self.speeds)
@@ -263,7 +263,7 @@ class PressureMap:
         """Changes made to the diagrams, each sentence once."""
         return tuple(dict.fromkeys(text for diagram in self.diagrams for text in diagram.remarks))
 
-    def weights(self, speeds: ArrayLike, load: Load | None = None) -> FloatArray:
+    def weights(self, speeds: ArrayLike, load: Load | None = None) -> Array:
         """Return the weight of each diagram at speeds, and at a load for each of them.
 
         Parameters
@@ -283,10 +283,7 @@ class PressureMap:
             or superfluous.
         """
         asked = np.atleast_1d(turning_speeds("speeds", speeds))
-        if asked.size == 0:
-            raise InputError(
-                "speeds: given none; allowed is one or more, because weights are at speeds."
-            )
+        check_some("speeds", asked, "weights are at speeds")
         along = axis_weights("speed", self.speeds, asked, self.method)
         if self.loads is None and load is not None:
             raise InputError(
@@ -342,7 +339,7 @@ class PressureMap:
             angles_deg=np.degrees(self._angles()),
         )
 
-    def _positive(self, weights: FloatArray, speeds: FloatArray) -> FloatArray:
+    def _positive(self, weights: Array, speeds: Array) -> Array:
         """Return weights (S, D), refusing those that give a pressure below zero."""
         uneven = np.flatnonzero(np.any(weights < 0.0, axis=1))  # others lie between diagrams
         lowest = np.min(weights[uneven] @ self._sampled, axis=1)
@@ -356,12 +353,12 @@ class PressureMap:
             )
         return weights
 
-    def _angles(self) -> FloatArray:
+    def _angles(self) -> Array:
         finest = max(diagram.angles_deg.size for diagram in self.diagrams)
         return even_angles(cycle_radians(self.diagrams[0].strokes), finest)
 
     @cached_property
-    def _sampled(self) -> FloatArray:
+    def _sampled(self) -> Array:
         """Return all diagrams at the samples of the finest (a * b, m) [Pa]."""
         angles = self._angles()
         return np.array([diagram.at(angle_deg=np.degrees(angles)) for diagram in self.diagrams])
@@ -455,8 +452,7 @@ def pressure_map(
         )
         for speed, load, diagram in points
     ]
-    if not checked:
-        raise InputError("points: given none; allowed are one or more, because a map has diagrams.")
+    check_some("points", checked, "a map has diagrams")
     check_choice("method", method, get_args(Method), "these are the ways between the diagrams")
     strokes = {diagram.strokes for _, _, diagram in checked}
     if len(strokes) > 1:
@@ -504,6 +500,16 @@ def pressure_map(
 OF_CYCLE = ("intake_pressure", "exhaust_pressure")
 
 
+class CycleTargets(TypedDict, total=False):
+    """What is known of the cycles of a map; see `pressure_map_from_cycles`."""
+
+    heat: ArrayLike | None
+    peak_pressure: ArrayLike | None
+    mean_effective_pressure: ArrayLike | None
+    intake_pressure: ArrayLike | None
+    exhaust_pressure: ArrayLike | None
+
+
 def pressure_map_from_cycles(
     cycle: GasCycle,
     position: Position,
@@ -511,14 +517,10 @@ def pressure_map_from_cycles(
     speeds: ArrayLike,
     loads: ArrayLike,
     *,
-    heat: ArrayLike | None = None,
-    peak_pressure: ArrayLike | None = None,
-    mean_effective_pressure: ArrayLike | None = None,
-    intake_pressure: ArrayLike | None = None,
-    exhaust_pressure: ArrayLike | None = None,
     solve_for: Solved = "combustion_start_deg",
     samples: int | None = None,
     method: Method = "cubic",
+    **targets: Unpack[CycleTargets],
 ) -> PressureMap:
     """Calculate a cycle at each point of speed and load that reaches the values known there.
 
@@ -547,17 +549,10 @@ def pressure_map_from_cycles(
     """
     running, loaded = finite_vector("speeds", speeds), finite_vector("loads", loads)
     shape = (running.size, loaded.size)
-    targets = {
-        "heat": heat,
-        "peak_pressure": peak_pressure,
-        "mean_effective_pressure": mean_effective_pressure,
-        "intake_pressure": intake_pressure,
-        "exhaust_pressure": exhaust_pressure,
-    }
     known = {}
     for name, values in targets.items():
         if values is not None:
-            array = finite_array(name, values)
+            array = finite_array(name, cast("ArrayLike", values))
             try:
                 known[name] = np.broadcast_to(array, shape)
             except ValueError:
@@ -591,7 +586,7 @@ def pressure_map_from_cycles(
 # Pressure of one kind for all cylinders, or one for each.
 AnyPressure = Pressure | PressureMap
 Pressures = AnyPressure | Sequence[AnyPressure]
-Weights = Callable[[FloatArray, Load | None], FloatArray]
+Weights = Callable[[Array, Load | None], Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -680,14 +675,14 @@ def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list
     return [made[each] for each in pressures]
 
 
-def constant_weight(speeds: FloatArray, _load: Load | None) -> FloatArray:
+def constant_weight(speeds: Array, _load: Load | None) -> Array:
     """Return the constant weight of a diagram that is used at every speed."""
     return np.ones((speeds.size, 1))
 
 
 def _mixed_weights(
-    fired: GasSource, cold: GasSource, share: float, speeds: FloatArray, load: Load | None
-) -> FloatArray:
+    fired: GasSource, cold: GasSource, share: float, speeds: Array, load: Load | None
+) -> Array:
     left = (1.0 - share) * fired.weights(speeds, load)
     return np.hstack([left, share * cold.weights(speeds, load)])
 
@@ -713,11 +708,11 @@ class LoadCurve:
         Absolute [Pa]; None if it follows from the combustion at full load.
     """
 
-    speeds: FloatArray
-    mean_pressure: FloatArray
-    intake_pressure: FloatArray
-    exhaust_pressure: FloatArray
-    peak_pressure: FloatArray | None
+    speeds: Array
+    mean_pressure: Array
+    intake_pressure: Array
+    exhaust_pressure: Array
+    peak_pressure: Array | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -732,17 +727,17 @@ class LoadPoints:
         Indicated mean effective pressure; absolute pressures [Pa].
     """
 
-    speeds: FloatArray
-    mean_pressure: FloatArray
-    peak_pressure: FloatArray | None
-    intake_pressure: FloatArray | None
+    speeds: Array
+    mean_pressure: Array
+    peak_pressure: Array | None
+    intake_pressure: Array | None
 
 
 def load_curve(
     points: LoadPoints | None,
     full: GasCycleResult,
     rated_speed: float,
-    speeds: FloatArray,
+    speeds: Array,
     friction_pressure: float = 0.0,
 ) -> LoadCurve:
     """Return the results of the cycle at speeds.
@@ -837,14 +832,14 @@ def pressures_along(
     return tuple(made[full] for full in full_load)
 
 
-def _boosted(at_full: float, ambient: float, boost: FloatArray) -> FloatArray:
+def _boosted(at_full: float, ambient: float, boost: Array) -> Array:
     """Return a pressure whose part above ambient is multiplied by the boost [Pa]."""
     if at_full <= ambient:
         return np.full(boost.shape, at_full)
     return np.asarray(ambient + (at_full - ambient) * boost)
 
 
-def _between(speeds: FloatArray, points: LoadPoints, values: FloatArray) -> FloatArray:
+def _between(speeds: Array, points: LoadPoints, values: Array) -> Array:
     """Interpolate smoothly, without overshoot."""
     from scipy.interpolate import PchipInterpolator  # here: loading it takes a quarter second
 
@@ -853,9 +848,7 @@ def _between(speeds: FloatArray, points: LoadPoints, values: FloatArray) -> Floa
     return np.asarray(PchipInterpolator(known, values)(inside), dtype=np.float64)
 
 
-def load_speeds(
-    points: LoadPoints | None, speed_range: tuple[float, float], rated: float
-) -> FloatArray:
+def load_speeds(points: LoadPoints | None, speed_range: tuple[float, float], rated: float) -> Array:
     """Return speeds close enough for splines between their diagrams [rad/s].
 
     Parameters

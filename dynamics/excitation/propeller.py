@@ -1,14 +1,14 @@
 """Thrust and torque of a propeller that vary with its blades, from data."""
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     finite_array,
     finite_vector,
     nonnegative_vector,
@@ -17,21 +17,21 @@ from crankbase.array_checks import (
 )
 from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain, speed_ratios
 from dynamics.indices import node_index
 from dynamics.response.order_excitation import OrderExcitation, checked_speeds
 
 
-@summarized(
+@frozen(
     "blades",
     "rated_speed [rad/s]",
     "rated_thrust [N]",
     "rated_torque [N m]",
     "thrust_shares",
     "torque_shares",
+    eq=False,
 )
-@dataclass(frozen=True, eq=False)
 class PropellerForces:
     """Mean thrust and torque of a propeller, and their variation over a revolution.
 
@@ -106,15 +106,15 @@ class PropellerForces:
             object.__setattr__(self, f"{kind}_shares", shares)
             object.__setattr__(self, f"{kind}_phases_deg", phases)
 
-    def mean_thrust(self, speeds: ArrayLike) -> FloatArray:
+    def mean_thrust(self, speeds: ArrayLike) -> Array:
         """Return the mean thrust [N] at speeds of the propeller [rad/s]."""
         return self._law(speeds, self.rated_thrust)
 
-    def mean_torque(self, speeds: ArrayLike) -> FloatArray:
+    def mean_torque(self, speeds: ArrayLike) -> Array:
         """Return the mean torque taken from the shaft [N m] at speeds of the propeller [rad/s]."""
         return self._law(speeds, self.rated_torque)
 
-    def _law(self, speeds: ArrayLike, rated: float) -> FloatArray:
+    def _law(self, speeds: ArrayLike, rated: float) -> Array:
         return np.asarray(rated * (turning_speeds("speeds", speeds) / self.rated_speed) ** 2)
 
 
@@ -184,7 +184,7 @@ def propeller_excitation(
             "are one or more, because a steady one excites nothing."
         )
     # M sin(k x + a) is Re(-i M exp(i a) exp(i k x)); turning backwards conjugates it.
-    turned: FloatArray = np.radians(np.asarray(phases, dtype=np.float64))
+    turned: Array = np.radians(np.asarray(phases, dtype=np.float64))
     phasors: ComplexArray = -1j * sizes * np.exp(1j * turned)
     if turning < 0.0:
         phasors = phasors.conj()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     finite_vector,
     nonnegative_number,
     positive_number,
@@ -21,7 +21,7 @@ from crankbase.diagrams import BLUE, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.sentences import amount, angle, finished, written
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.gas.pressure import (
     HIGHEST_PEAK,
@@ -42,7 +42,7 @@ SHORTEST_BLOW_DOWN = 5.0
 BOTTOM = 180.0
 
 
-@summarized(
+@frozen(
     "strokes",
     "compression_ratio",
     "intake_pressure [Pa]",
@@ -52,7 +52,6 @@ BOTTOM = 180.0
     "combustion_duration_deg [deg]",
     "assumed",
 )
-@dataclass(frozen=True)
 class GasCycle:
     """Parameters of the cycle model: compression, Wiebe heat release, expansion, gas exchange.
 
@@ -372,13 +371,13 @@ class CycleSamples:
         Swept volume [m^3].
     """
 
-    motored: FloatArray
-    rise: FloatArray
-    volume_slope: FloatArray
+    motored: Array
+    rise: Array
+    volume_slope: Array
     swept: float
     strokes: int
 
-    def pressure(self, heat: float) -> FloatArray:
+    def pressure(self, heat: float) -> Array:
         """Return the pressure [Pa] for a heat [J]."""
         return self.motored + heat * self.rise
 
@@ -409,7 +408,7 @@ class CycleSamples:
         return (mean_pressure * self.swept - self.work(0.0)) / self.work_per_heat
 
 
-def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles_deg: FloatArray) -> CycleSamples:
+def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles_deg: Array) -> CycleSamples:
     """Return the cycle at its samples.
 
     Parameters
@@ -442,13 +441,13 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles_deg: FloatArra
     )
 
 
-def _smooth_step(angles: FloatArray, begin: float, end: float) -> FloatArray:
+def _smooth_step(angles: Array, begin: float, end: float) -> Array:
     """Return 3 t^2 - 2 t^3, from 0 at the start to 1 at the end, with zero slope at both."""
     share = np.clip((angles - begin) / (end - begin), 0.0, 1.0)
     return np.asarray(share**2 * (3.0 - 2.0 * share), dtype=np.float64)
 
 
-def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLike) -> FloatArray:
+def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLike) -> Array:
     """Return the pressure without combustion, isentropic from the closing of the intake.
 
     Parameters
@@ -465,9 +464,7 @@ def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLi
     return np.asarray(cycle.intake_pressure * ratio**cycle.heat_capacity_ratio, dtype=np.float64)
 
 
-def pressure_rise_per_heat(
-    cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLike
-) -> FloatArray:
+def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle_deg: ArrayLike) -> Array:
     """Return the pressure rise per joule of heat.
 
     Parameters
@@ -616,14 +613,14 @@ SEARCH_PLACES = 43
 Solved = Literal["combustion_start_deg", "combustion_duration_deg"]
 
 
-@summarized(
+@frozen(
     "mean_effective_pressure [Pa]",
     "compression_pressure [Pa]",
     "pressure.peak_pressure [Pa]",
     "work [J]",
     "heat [J]",
+    eq=False,
 )
-@dataclass(frozen=True, eq=False)
 class GasCycleResult:
     """A calculated cycle.
 
@@ -862,7 +859,7 @@ def _shortest_duration(cycle: GasCycle, samples: int) -> float:
 def _solved_combustion(
     cycle: GasCycle,
     volume: CylinderVolume,
-    angles_deg: FloatArray,
+    angles_deg: Array,
     peak: float,
     mean_pressure: float,
     name: Solved,

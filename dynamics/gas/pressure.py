@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     checked_degrees,
     finite_array,
     finite_vector,
@@ -94,8 +94,8 @@ class GasPressure:
         If a number is not finite, a pressure is not positive, or the angles are not as above.
     """
 
-    angles_deg: FloatArray
-    pressure: FloatArray
+    angles_deg: Array
+    pressure: Array
     strokes: int
     source: str = ""
     remarks: tuple[str, ...] = ()
@@ -140,7 +140,7 @@ class GasPressure:
         return angle - self.cycle_deg if angle > self.cycle_deg / 2.0 else angle
 
     @property
-    def angles_from_top(self) -> FloatArray:
+    def angles_from_top(self) -> Array:
         """Crank angles of the samples, from -cycle/2 (excluded) to cycle/2 [deg]."""
         angles, cycle = self.angles_deg, self.cycle_deg
         return np.where(angles > cycle / 2.0, angles - cycle, angles)
@@ -150,7 +150,7 @@ class GasPressure:
         """The lowest pressure [Pa]."""
         return float(np.min(self.pressure))
 
-    def at(self, *, angle_deg: ArrayLike) -> FloatArray:
+    def at(self, *, angle_deg: ArrayLike) -> Array:
         """Return the pressure at any crank angles.
 
         Parameters
@@ -268,7 +268,7 @@ def gas_pressure(
     )
 
 
-def widest_gap(angles_deg: FloatArray, cycle_deg: float) -> tuple[int, float]:
+def widest_gap(angles_deg: Array, cycle_deg: float) -> tuple[int, float]:
     """Return the sample after the widest gap, 0 for the gap to the next cycle, and the gap [deg].
 
     Parameters
@@ -282,7 +282,7 @@ def widest_gap(angles_deg: FloatArray, cycle_deg: float) -> tuple[int, float]:
     return index, float(gaps[index])
 
 
-def _check_samples(angles: FloatArray, values: FloatArray, cycle: float) -> None:
+def _check_samples(angles: Array, values: Array, cycle: float) -> None:
     """Refuse samples of which angles [deg] and values do not match."""
     if angles.size != values.size:
         raise InputError(
@@ -313,7 +313,7 @@ def _check_samples(angles: FloatArray, values: FloatArray, cycle: float) -> None
         )
 
 
-def _periodic_curve(angles: FloatArray, values: FloatArray, cycle: float) -> "PchipInterpolator":
+def _periodic_curve(angles: Array, values: Array, cycle: float) -> "PchipInterpolator":
     """Return the shape-preserving curve through ascending samples within one cycle."""
     from scipy.interpolate import PchipInterpolator  # here: loading it takes a quarter second
 
@@ -439,7 +439,7 @@ def read_pressure_table(
     )
 
 
-def _check_peak(rows: SampleRows, pressure: FloatArray, cycle: float, allowed: Peak) -> None:
+def _check_peak(rows: SampleRows, pressure: Array, cycle: float, allowed: Peak) -> None:
     index = int(np.argmax(pressure))
     if not allowed.lowest <= pressure[index] <= allowed.highest:
         raise rows.value_error(
@@ -465,7 +465,7 @@ def _check_peak(rows: SampleRows, pressure: FloatArray, cycle: float, allowed: P
     )
 
 
-Position = Callable[[FloatArray], FloatArray]
+Position = Callable[[Array], Array]
 
 # Places over one turn at which the highest and lowest position are looked for.
 SEARCH_PLACES = 360
@@ -518,7 +518,7 @@ class CylinderVolume:
         """Smallest volume [m^3]: swept volume over compression ratio less one."""
         return self.swept / (self.compression_ratio - 1.0)
 
-    def at(self, *, angle_deg: ArrayLike) -> FloatArray:
+    def at(self, *, angle_deg: ArrayLike) -> Array:
         """Return the volume [m^3] at crank angles of any shape."""
         angles = radians_of("angle_deg", angle_deg)
         position = np.asarray(self.position(angles.ravel()), dtype=np.float64)
@@ -649,7 +649,7 @@ def indicated_mean_effective_pressure(work: float, swept: float) -> float:
     return work / positive_number("swept", swept, "m^3", "the work is taken per swept volume")
 
 
-def periodic_slope(values: FloatArray, period: float) -> FloatArray:
+def periodic_slope(values: Array, period: float) -> Array:
     """Return the derivative of a smooth periodic function from even samples over its period.
 
     Parameters

@@ -5,7 +5,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.diagrams import COLORS, GRAY, Band, Diagram, Dots, Limits, Line, Note, draw_diagram
 from crankbase.frames import Axes
 from crankbase.quantity import RPM
@@ -63,7 +63,7 @@ class CampbellFrame(NamedTuple):
     running: tuple[float, float]
     ends: tuple[float, float]
     top: float
-    natural: FloatArray
+    natural: Array
 
     def line_end(self, order: float) -> tuple[float, float, bool]:
         """Return where an order's line ends [1/min, Hz], and whether it does so at the top."""
@@ -89,8 +89,8 @@ class CampbellFrame(NamedTuple):
 
 
 def campbell_frame(
-    natural: FloatArray,
-    orders: FloatArray,
+    natural: Array,
+    orders: Array,
     speed_range: tuple[float, float],
     meetings: Sequence[Meeting],
 ) -> CampbellFrame:
@@ -108,8 +108,8 @@ def campbell_frame(
 
 
 def campbell(
-    natural: FloatArray,
-    orders: FloatArray,
+    natural: Array,
+    orders: Array,
     speed_range: tuple[float, float],
     meetings: Sequence[Meeting],
     texts: Sequence[str] = (),
@@ -175,8 +175,8 @@ def campbell(
 
 def draw_campbell(
     axes: Axes,
-    natural: FloatArray,
-    orders: FloatArray,
+    natural: Array,
+    orders: Array,
     speed_range: tuple[float, float],
     meetings: Sequence[Meeting],
 ) -> None:

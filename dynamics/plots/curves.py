@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import ComplexArray, FloatArray, finite_array
+from crankbase.array_checks import Array, ComplexArray, Flags, finite_array
 from crankbase.choices import check_choice
 from crankbase.diagrams import (
     BLUE,
@@ -33,7 +33,7 @@ from dynamics.indices import within
 Coordinate: TypeAlias = tuple[Any, str, str]
 
 
-def orders_and_speeds(orders: FloatArray, speeds: FloatArray) -> dict[str, Coordinate]:
+def orders_and_speeds(orders: Array, speeds: Array) -> dict[str, Coordinate]:
     """Return the coordinates "order" and "speed"."""
     return {
         "order": (orders, "1", "order, in cycles per crankshaft revolution"),
@@ -41,12 +41,12 @@ def orders_and_speeds(orders: FloatArray, speeds: FloatArray) -> dict[str, Coord
     }
 
 
-def angle_axis(angles: FloatArray) -> Coordinate:
+def angle_axis(angles: Array) -> Coordinate:
     """Return the coordinate of shaft angles [deg]."""
     return angles, "deg", "shaft angle"
 
 
-def time_axis(time: FloatArray) -> Coordinate:
+def time_axis(time: Array) -> Coordinate:
     """Return the coordinate of the time [s]."""
     return time, "s", "time"
 
@@ -61,7 +61,7 @@ def number_axis(count: int, words: str) -> Coordinate:
     return np.arange(1, count + 1), "1", words
 
 
-def infinite_where_unbounded(values: ComplexArray, unbounded: NDArray[np.bool_]) -> ComplexArray:
+def infinite_where_unbounded(values: ComplexArray, unbounded: Flags) -> ComplexArray:
     """Return phasors (K, S, ...), infinite where the response is unbounded (K, S)."""
     where = unbounded.reshape(unbounded.shape + (1,) * (values.ndim - unbounded.ndim))
     return np.where(where, complex(np.inf), values)
@@ -166,8 +166,8 @@ def from_top(strokes: int) -> str:
 
 def draw_over_angle(
     axes: Axes | None,
-    angles: FloatArray,
-    curves: Mapping[str, FloatArray],
+    angles: Array,
+    curves: Mapping[str, Array],
     label: str,
     *,
     angle_label: str = "shaft angle [deg]",
@@ -207,9 +207,7 @@ def draw_over_angle(
     return axes
 
 
-def draw_over_time(
-    axes: Axes | None, time: FloatArray, curves: Mapping[str, FloatArray], label: str
-) -> Axes:
+def draw_over_time(axes: Axes | None, time: Array, curves: Mapping[str, Array], label: str) -> Axes:
     """Draw curves over the time [s], with gaps where values are not finite. See `draw_over_angle`."""
     axes = new_axes(axes)
     _draw_curves(axes, time, curves, label, COLORS)
@@ -221,8 +219,8 @@ def draw_over_time(
 
 def _draw_curves(
     axes: Axes,
-    along: FloatArray,
-    curves: Mapping[str, FloatArray],
+    along: Array,
+    curves: Mapping[str, Array],
     label: str,
     colors: Sequence[Any],
 ) -> None:
@@ -257,7 +255,7 @@ class SelectedCurve(NamedTuple):
         Whether it is the load of an element.
     """
 
-    values: FloatArray
+    values: Array
     number: int
     name: str
     label: str
@@ -267,10 +265,10 @@ class SelectedCurve(NamedTuple):
 
 def plot_run(
     axes: Axes | None,
-    time: FloatArray,
-    speed: FloatArray,
+    time: Array,
+    speed: Array,
     curve: SelectedCurve,
-    windows: tuple[FloatArray, FloatArray, int],
+    windows: tuple[Array, Array, int],
     steady: tuple[ArrayLike, ArrayLike] | None,
 ) -> Axes:
     """Draw the motion or load of one element or node over time, on new axes by default.
@@ -320,7 +318,7 @@ def plot_run(
     return axes
 
 
-def draw_speed(axes: Axes, time: FloatArray, speed: FloatArray) -> None:
+def draw_speed(axes: Axes, time: Array, speed: Array) -> None:
     """Draw the speed [rad/s] over the time [s]."""
     places = np.linspace(0, time.size - 1, COLUMNS).astype(int)
     axes.plot(time[places], speed[places] * RPM, color=GRAY, linewidth=1.6)
@@ -339,7 +337,7 @@ HEADROOM = 1.08
 LEGEND_COLUMNS = 4
 
 
-def main_orders_of(amplitudes: FloatArray, count: int) -> list[int]:
+def main_orders_of(amplitudes: Array, count: int) -> list[int]:
     """Return which orders have the largest peaks over the speeds, in ascending order.
 
     Parameters
@@ -354,7 +352,7 @@ def main_orders_of(amplitudes: FloatArray, count: int) -> list[int]:
 
 
 def order_series(
-    orders: FloatArray, amplitudes: FloatArray, count: int, counted: NDArray[np.bool_] | None = None
+    orders: Array, amplitudes: Array, count: int, counted: Flags | None = None
 ) -> list[Series]:
     """Return all orders; those that are not main ones are hidden at first.
 
@@ -385,7 +383,7 @@ def barred_bands(barred: Sequence[tuple[float, float]]) -> tuple[Band, ...]:
     return tuple(Band(low * RPM, high * RPM, BARRED, "to be barred") for low, high in barred)
 
 
-def outside_bands(speeds: FloatArray, running: tuple[float, float] | None) -> tuple[Band, ...]:
+def outside_bands(speeds: Array, running: tuple[float, float] | None) -> tuple[Band, ...]:
     """Return the speeds outside the running range [rad/s], if one is given, as shaded areas."""
     if running is None or speeds.size < 2:
         return ()
@@ -412,12 +410,12 @@ class OrdersOverSpeed(NamedTuple):
     unbounded : ndarray of shape (S,), bool
     """
 
-    speeds: FloatArray
-    orders: FloatArray
-    by_order: FloatArray
-    total: FloatArray
-    plain: FloatArray
-    unbounded: NDArray[np.bool_]
+    speeds: Array
+    orders: Array
+    by_order: Array
+    total: Array
+    plain: Array
+    unbounded: Flags
 
 
 def over_speed(
@@ -485,8 +483,8 @@ def over_speed(
 
 def draw_named_curves(
     axes: Axes | None,
-    speeds: FloatArray,
-    curves: Mapping[str, FloatArray],
+    speeds: Array,
+    curves: Mapping[str, Array],
     label: str,
     *,
     title: str = "",
@@ -524,7 +522,7 @@ def draw_named_curves(
     return axes
 
 
-def set_speed_axis(axes: Axes, speeds: FloatArray) -> None:
+def set_speed_axis(axes: Axes, speeds: Array) -> None:
     """Label the axis of the speed and end it with the speeds [rad/s], if there are several."""
     axes.set_xlabel(SPEED_LABEL)
     if len(speeds) > 1:

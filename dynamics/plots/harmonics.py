@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.array_checks import Array, ComplexArray
 from crankbase.diagrams import (
     BLUE,
     COLORS,
@@ -32,8 +32,8 @@ ANGLE_LABEL, TORQUE_LABEL = "crank angle [deg]", "torque of one throw [N m]"
 
 def draw_harmonics(
     axes: Axes | None,
-    orders: FloatArray,
-    amplitudes: Mapping[str, FloatArray],
+    orders: Array,
+    amplitudes: Mapping[str, Array],
     label: str,
     *,
     title: str = "",
@@ -73,10 +73,10 @@ class _Sum(Protocol):
     def mean(self) -> float: ...
     @property
     def strokes(self) -> int: ...
-    def at(self, *, crank_angle_deg: FloatArray) -> FloatArray: ...
+    def at(self, *, crank_angle_deg: Array) -> Array: ...
 
 
-def over_cycle(samples: FloatArray, harmonics: _Sum) -> tuple[FloatArray, FloatArray, FloatArray]:
+def over_cycle(samples: Array, harmonics: _Sum) -> tuple[Array, Array, Array]:
     """Return angles and the sum of harmonics at them, and the angles of samples, all in degrees.
 
     Parameters
@@ -100,7 +100,7 @@ def over_cycle(samples: FloatArray, harmonics: _Sum) -> tuple[FloatArray, FloatA
 
 def draw_samples(
     axes: Axes | None,
-    samples: FloatArray,
+    samples: Array,
     harmonics: _Sum,
     *,
     summed: str = "sum of harmonics",
@@ -144,9 +144,9 @@ class _Vectors(Protocol):
     """Vectors of one order; `dynamics.torque.Star` is an example."""
 
     @property
-    def directions_deg(self) -> FloatArray: ...
+    def directions_deg(self) -> Array: ...
     @property
-    def weights(self) -> FloatArray: ...
+    def weights(self) -> Array: ...
     @property
     def vectors(self) -> ComplexArray: ...
     @property
@@ -242,14 +242,14 @@ class _Series(Protocol):
     """Harmonics; `dynamics.harmonics.Harmonics` is one."""
 
     @property
-    def orders(self) -> FloatArray: ...
+    def orders(self) -> Array: ...
     @property
-    def amplitude(self) -> FloatArray: ...
+    def amplitude(self) -> Array: ...
     @property
-    def phase(self) -> FloatArray: ...
+    def phase(self) -> Array: ...
     @property
     def strokes(self) -> int: ...
-    def each_at(self, *, crank_angle_deg: FloatArray) -> FloatArray: ...
+    def each_at(self, *, crank_angle_deg: Array) -> Array: ...
 
 
 def harmonic_words(harmonics: _Series, place: int, unit: str) -> str:
@@ -263,7 +263,7 @@ def harmonic_words(harmonics: _Series, place: int, unit: str) -> str:
 
 
 def draw_single_harmonics(
-    axes: Axes | None, harmonics: _Series, unit: str, samples: FloatArray | None = None
+    axes: Axes | None, harmonics: _Series, unit: str, samples: Array | None = None
 ) -> Axes:
     """Draw harmonics over the crank angle in one diagram, the largest if there are too many.
 
@@ -315,12 +315,12 @@ def draw_one_harmonic(axes: Axes, harmonics: _Series, place: int, unit: str) -> 
     )
 
 
-def _cycle(harmonics: _Series) -> FloatArray:
+def _cycle(harmonics: _Series) -> Array:
     """Return crank angles over one cycle [deg]."""
     return np.linspace(0.0, 180.0 * harmonics.strokes, POINTS)
 
 
-def _name_axes(axes: Axes, degrees: FloatArray, label: str) -> None:
+def _name_axes(axes: Axes, degrees: Array, label: str) -> None:
     axes.set_xlabel(ANGLE_LABEL)
     axes.set_ylabel(label)
     axes.set_xlim(0.0, degrees[-1])

@@ -7,7 +7,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.array_checks import ComplexArray, FloatArray, positive_number
+from crankbase.array_checks import Array, ComplexArray, positive_number
 from crankbase.choices import check_choice
 from crankbase.diagrams import (
     BLUE,
@@ -48,7 +48,7 @@ class _Curve(Protocol):
 
     @property
     def major(self) -> float: ...
-    def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]: ...
+    def points(self, count: int = 181) -> tuple[Array, Array]: ...
 
 
 def draw_hodographs(
@@ -142,13 +142,13 @@ class _Load(Protocol):
     """The force on a bearing; `dynamics.engine.forces.LoadDiagram` is one."""
 
     @property
-    def angles_deg(self) -> FloatArray: ...
+    def angles_deg(self) -> Array: ...
     @property
     def force(self) -> ComplexArray: ...
     @property
     def in_crank_frame(self) -> ComplexArray: ...
     @property
-    def magnitude(self) -> FloatArray: ...
+    def magnitude(self) -> Array: ...
     @property
     def mean(self) -> float: ...
     @property
@@ -245,7 +245,7 @@ def polar_loads(
     )
 
 
-def _angles_and_sizes(degrees: FloatArray, force: NDArray[np.complex128]) -> list[list[float]]:
+def _angles_and_sizes(degrees: Array, force: NDArray[np.complex128]) -> list[list[float]]:
     """Return shaft angle [deg] and size of the force for hovering."""
     return [
         [round(angle, 2), float(f"{size:.5g}")]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.diagrams import (
     BLUE,
     GREEN,
@@ -41,7 +41,7 @@ class ChainShapes(NamedTuple):
         Of the nodes.
     """
 
-    shapes: FloatArray
+    shapes: Array
     labels: Sequence[str]
     still: Sequence[tuple[float, ...]]
     pairs: Sequence[tuple[int, int]]
@@ -100,7 +100,7 @@ def draw_chain_shapes(axes: Axes, drawn: ChainShapes, motion: str = "displacemen
     legend_above(axes)
 
 
-def shaft_shape(positions: FloatArray, motion: FloatArray, radius: float) -> Diagram:
+def shaft_shape(positions: Array, motion: Array, radius: float) -> Diagram:
     """Describe axial, torsional and lateral motion along a whole shaft in one mode, the largest as 1.
 
     Parameters
@@ -113,7 +113,7 @@ def shaft_shape(positions: FloatArray, motion: FloatArray, radius: float) -> Dia
         Rotation about the shaft is shown as the displacement at this radius [m].
     """
     ux, uy, uz, rz = 0, 1, 2, 5
-    curves: tuple[tuple[str, FloatArray, str, Dash], ...] = (
+    curves: tuple[tuple[str, Array, str, Dash], ...] = (
         ("axial", motion[:, uz], BLUE, "solid"),
         ("torsional, at the crank radius", radius * motion[:, rz], ORANGE, "solid"),
         ("lateral, x", motion[:, ux], GREEN, "solid"),
@@ -133,7 +133,7 @@ def shaft_shape(positions: FloatArray, motion: FloatArray, radius: float) -> Dia
     )
 
 
-def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> FloatArray:
+def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> Array:
     """Return the positions of a chain's nodes on the axis of a diagram, from their numbers.
 
     Parameters
@@ -170,7 +170,7 @@ def chain_places(count: int, pairs: Sequence[tuple[int, int]]) -> FloatArray:
 
 
 def crosses_on_axis(
-    positions: tuple[float, ...], pairs: Sequence[tuple[int, int]], places: FloatArray
+    positions: tuple[float, ...], pairs: Sequence[tuple[int, int]], places: Array
 ) -> list[float]:
     """Return the positions on the axis of points on elements, from those of the nodes."""
     crossings = []

@@ -1,13 +1,17 @@
 """Damped modes of a chain or system: frequencies, damping ratios, shapes, and sources of damping."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 
-from crankbase.array_checks import ComplexArray, FloatArray, check_shape, check_sizes, finite_vector
-from crankbase.frames import table
+from crankbase.array_checks import (
+    Array,
+    ComplexArray,
+    Integers,
+    check_shape,
+    check_sizes,
+    finite_vector,
+)
+from crankbase.frames import DataFrame, table
 from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
@@ -15,9 +19,6 @@ from dynamics.response.forced import ForcedResponse, chain_and_system
 from dynamics.response.harmonic import UNBOUNDED_WITHIN, DampedModes, damped_modes
 from dynamics.response.linear_system import DampedChain, LinearSystem
 from dynamics.response.loads import dashpot_names
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 # A motion whose eigenvalue has an imaginary part below this share of its size creeps back without
 # vibrating: a damping ratio of 0.995 and more.
@@ -54,26 +55,26 @@ class ComplexModes:
     """
 
     eigenvalues: ComplexArray
-    numbers: NDArray[np.int64]
+    numbers: Integers
     shapes: ComplexArray
-    undamped: FloatArray
-    locked: FloatArray | None
+    undamped: Array
+    locked: Array | None
     sources: tuple[dict[str, float], ...]
     system: LinearSystem
     terms: DampedModes
-    places: NDArray[np.int64]
+    places: Integers
 
     @property
-    def frequencies(self) -> FloatArray:
+    def frequencies(self) -> Array:
         """Damped natural frequencies [Hz], (m,)."""
         return self.eigenvalues.imag / (2.0 * np.pi)
 
     @property
-    def damping_ratios(self) -> FloatArray:
+    def damping_ratios(self) -> Array:
         """Share of critical damping of each mode, -Re s / |s|, (m,)."""
         return np.asarray(np.maximum(-self.eigenvalues.real, 0.0) / np.abs(self.eigenvalues))
 
-    def magnifiers(self, angular_frequencies: FloatArray) -> FloatArray:
+    def magnifiers(self, angular_frequencies: Array) -> Array:
         """Return the dynamic magnifier of each mode at frequencies (f,) [rad/s], (f, m).
 
         That of one mass with the mode's frequency and damping ratio: amplitude over static amplitude.
@@ -85,7 +86,7 @@ class ComplexModes:
             return np.asarray(squares / np.abs(apart))
 
     @property
-    def largest_magnifiers(self) -> FloatArray:
+    def largest_magnifiers(self) -> Array:
         """Dynamic magnifier of each mode at its peak, 1 where it has none, inf where undamped, (m,)."""
         ratios = self.damping_ratios
         with np.errstate(divide="ignore"):
@@ -94,9 +95,9 @@ class ComplexModes:
 
     def contributions(
         self,
-        angular_frequencies: FloatArray,
+        angular_frequencies: Array,
         forces: ComplexArray,
-        rows: FloatArray,
+        rows: Array,
         power: int = 1,
         balanced: ComplexArray | None = None,
     ) -> ComplexArray:
@@ -145,7 +146,7 @@ class ComplexModes:
         np.add.at(total.T, self.places, parts.T)
         return total
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a table: number, frequency, damping ratio, frequencies of ring free and locked.
 
         Units and errors are those of `crankbase.frames.table`.

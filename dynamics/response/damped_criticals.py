@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.array_checks import ComplexArray, FloatArray, checked_range
+from crankbase.array_checks import Array, ComplexArray, Flags, checked_range
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
@@ -330,9 +330,16 @@ def criticals_of(
                 maxima.chosen(some), made.chosen(some), scales, kinds, preferred, least
             )
     met |= {(peak.order, number) for peak in criticals for number in peak.modes}
+    locked = np.zeros(0) if modes.locked is None else modes.locked
     for order in response.orders.tolist():
         for number in range(1, modes.undamped.size + 1):
-            if (order, number) not in met and _meets(modes, order, number, ends):
+            frequencies = (
+                *modes.undamped[number - 1 : number],
+                *modes.frequencies[modes.numbers == number],
+                *locked[number - 1 : number],
+            )
+            meets = any(within(2.0 * np.pi * known / order, *ends) for known in frequencies)
+            if meets and (order, number) not in met:
                 criticals.append(_critical(modes, order, number))
     return tuple(
         sorted(criticals, key=lambda critical: (critical.order, critical.mode, critical.speed))
@@ -347,18 +354,18 @@ class _Maxima(NamedTuple):
 
     orders: NDArray[np.intp]
     places: NDArray[np.intp]
-    speeds: FloatArray
-    values: FloatArray
-    low: FloatArray
-    high: FloatArray
-    bends: FloatArray
+    speeds: Array
+    values: Array
+    low: Array
+    high: Array
+    bends: Array
 
-    def chosen(self, which: NDArray[np.bool_] | NDArray[np.intp]) -> "_Maxima":
+    def chosen(self, which: Flags | NDArray[np.intp]) -> "_Maxima":
         """Return some of them."""
         return _Maxima._make(column[which] for column in self)
 
 
-def _largest(maxima: _Maxima, counted: NDArray[np.bool_], places: int) -> FloatArray:
+def _largest(maxima: _Maxima, counted: Flags, places: int) -> Array:
     """Return the largest value of each place among the counted maxima, 0 without one."""
     largest = np.zeros(places)
     np.maximum.at(largest, maxima.places[counted], maxima.values[counted])
@@ -393,12 +400,12 @@ class _Vibration:
     modes: ComplexModes
     quantities: LinearQuantities
     forces: OverSpeed
-    expand: FloatArray
-    pushes: FloatArray
+    expand: Array
+    pushes: Array
 
     def answer(
-        self, orders: NDArray[np.intp], speeds: FloatArray
-    ) -> tuple[ComplexArray, NDArray[np.bool_], ComplexArray]:
+        self, orders: NDArray[np.intp], speeds: Array
+    ) -> tuple[ComplexArray, Flags, ComplexArray]:
         """Return motions (m, q), where unbounded (m,), and forces on the loaded nodes (m, n)."""
         forces = self.forces.at(orders, speeds)
         answer = harmonic_response(
@@ -432,7 +439,7 @@ class _Vibration:
         return _Maxima._make(np.concatenate(column) for column in zip(*maxima, strict=True))
 
     @property
-    def _none(self) -> tuple[ComplexArray, NDArray[np.bool_], ComplexArray]:
+    def _none(self) -> tuple[ComplexArray, Flags, ComplexArray]:
         """What `answer` returns of no speed."""
         forces = self.forces.at(np.array(0), self.response.speeds)
         return self.response.unknowns[0][:0], self.response.unbounded[0][:0], forces[:0]
@@ -440,9 +447,9 @@ class _Vibration:
     def _maxima(
         self,
         place: int,
-        added: FloatArray,
+        added: Array,
         more: ComplexArray,
-        endless: NDArray[np.bool_],
+        endless: Flags,
         beside: ComplexArray,
     ) -> _Maxima:
         order, known = float(self.response.orders[place]), self.response.speeds
@@ -485,7 +492,7 @@ class _Vibration:
             np.where(flat, 0.0, bend),
         )
 
-    def made(self, maxima: _Maxima, speeds: FloatArray) -> "_Made":
+    def made(self, maxima: _Maxima, speeds: Array) -> "_Made":
         """Return what makes maxima, at their speeds as they are known."""
         orders, places = maxima.orders, maxima.places
         motion, unbounded, forces = self.answer(orders, speeds)
@@ -530,12 +537,12 @@ class _Vibration:
 
     def _contributions(
         self,
-        w: FloatArray,
-        speeds: FloatArray,
+        w: Array,
+        speeds: Array,
         forces: ComplexArray,
         balanced: ComplexArray,
-        rows: FloatArray,
-    ) -> tuple[ComplexArray, ComplexArray, NDArray[np.bool_]]:
+        rows: Array,
+    ) -> tuple[ComplexArray, ComplexArray, Flags]:
         """Return `ComplexModes.contributions` of power 1 and 3, and which modes are in their band.
 
         What varies is taken as it is there, its modes by the numbers of those of the constant stiffness.
@@ -569,9 +576,9 @@ class _Vibration:
         self,
         maxima: _Maxima,
         made: "_Made",
-        scales: FloatArray,
-        kinds: FloatArray,
-        preferred: NDArray[np.bool_],
+        scales: Array,
+        kinds: Array,
+        preferred: Flags,
         least: float | None,
     ) -> list[DampedCritical]:
         """Return the critical speeds of maxima, those of several places taken together."""
@@ -641,8 +648,8 @@ class _Vibration:
         return peaks
 
     def _amplitudes(
-        self, orders: NDArray[np.intp], places: NDArray[np.intp], speeds: FloatArray
-    ) -> FloatArray:
+        self, orders: NDArray[np.intp], places: NDArray[np.intp], speeds: Array
+    ) -> Array:
         motion, unbounded, forces = self.answer(orders, speeds)
         w = self.response.orders[orders] * speeds
         values = self.quantities.each(places, w, speeds, motion, forces)
@@ -656,20 +663,20 @@ class _Made(NamedTuple):
     modes that make it (m, modes + 1), and whether a mode in its band is but a ripple on others.
     """
 
-    value: FloatArray
-    first: FloatArray
+    value: Array
+    first: Array
     mode: NDArray[np.intp]
-    shares: FloatArray
-    of_mode: NDArray[np.bool_]
-    makers: NDArray[np.bool_]
-    ripple: NDArray[np.bool_]
+    shares: Array
+    of_mode: Flags
+    makers: Flags
+    ripple: Flags
 
-    def chosen(self, which: NDArray[np.bool_]) -> "_Made":
+    def chosen(self, which: Flags) -> "_Made":
         """Return that of some maxima."""
         return _Made._make(column[which] for column in self)
 
 
-def _together(maxima: _Maxima, share: FloatArray, near: FloatArray) -> list[NDArray[np.intp]]:
+def _together(maxima: _Maxima, share: Array, near: Array) -> list[NDArray[np.intp]]:
     """Return the indices of the maxima of each critical speed: about one with most others near it.
 
     Of each place one belongs to it: two maxima of one place are two critical speeds.
@@ -692,9 +699,7 @@ def _together(maxima: _Maxima, share: FloatArray, near: FloatArray) -> list[NDAr
     return groups
 
 
-def _golden_section(
-    at: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray
-) -> FloatArray:
+def _golden_section(at: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """Return the maximum of functions, of (2 m,) places, within brackets (m,), each with one maximum."""
     for _ in range(STEPS):
         span = SECTION * (high - low)
@@ -704,21 +709,12 @@ def _golden_section(
     return np.asarray(0.5 * (low + high))
 
 
-def _meets(modes: ComplexModes, order: float, number: int, ends: tuple[float, float]) -> bool:
-    """Whether an order meets a mode within a range, undamped, locked or damped."""
-    damped = modes.frequencies[modes.numbers == number].tolist()
-    known = [float(modes.undamped[number - 1]), *damped]
-    if modes.locked is not None:
-        known.append(float(modes.locked[number - 1]))
-    return any(within(2.0 * np.pi * frequency / order, *ends) for frequency in known)
-
-
 def _critical(known: ComplexModes, order: float, number: int, **peak: Any) -> DampedCritical:
     """Return a critical speed with the frequencies of its mode; no peak by default."""
     none = float("nan")
     places = np.flatnonzero(known.numbers == number)
 
-    def met(frequencies: FloatArray | None) -> float:
+    def met(frequencies: Array | None) -> float:
         if frequencies is None or not number:
             return none
         return 2.0 * np.pi * float(frequencies[number - 1]) / order

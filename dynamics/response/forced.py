@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import Unpack, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.array_checks import Array, ComplexArray, Flags
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, SolveError
 from crankbase.frames import Axes, Dataset, grid
@@ -60,10 +60,10 @@ class ForcedResponse:
         Method used.
     """
 
-    orders: FloatArray
-    speeds: FloatArray
+    orders: Array
+    speeds: Array
     motion: ComplexArray
-    unbounded: NDArray[np.bool_]
+    unbounded: Flags
     system: LinearSystem
     chain: Chain | None
     excitation: OrderExcitation
@@ -71,12 +71,12 @@ class ForcedResponse:
     method: str
 
     @property
-    def angular_frequencies(self) -> FloatArray:
+    def angular_frequencies(self) -> Array:
         """Angular frequency of each order at each speed [rad/s], (K, S)."""
         return np.outer(self.orders, self.speeds)
 
     @cached_property
-    def amplitude(self) -> FloatArray:
+    def amplitude(self) -> Array:
         """Amplitude of each node by order and speed [rad or m], (K, S, n); inf where unbounded."""
         return self.nodes.amplitude
 
@@ -255,10 +255,10 @@ def forced_response(
 def _settled(
     system: LinearSystem,
     excitation: OrderExcitation,
-    frequencies: FloatArray,
+    frequencies: Array,
     forces: ComplexArray,
     method: Method,
-    speeds: FloatArray,
+    speeds: Array,
 ) -> tuple[HarmonicResponse, LinearSystem]:
     """Return the response, and the system whose springs know the amplitudes that they reach.
 

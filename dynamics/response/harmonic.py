@@ -5,9 +5,9 @@ from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.array_checks import Array, ComplexArray, Flags, Integers
 from crankbase.errors import SolveError
 from dynamics.response.linear_system import LinearSystem
 
@@ -45,16 +45,16 @@ class HarmonicResponse:
     """
 
     motion: ComplexArray
-    unbounded: NDArray[np.bool_]
+    unbounded: Flags
     directly: int
 
 
 def harmonic_response(
     system: LinearSystem,
-    angular_frequencies: FloatArray,
+    angular_frequencies: Array,
     forces: ComplexArray,
     method: Method = "modal",
-    speeds: FloatArray | None = None,
+    speeds: Array | None = None,
 ) -> HarmonicResponse:
     """Find the steady motion under harmonic forces, each at its own frequency.
 
@@ -131,7 +131,7 @@ def harmonic_response(
 
 
 def dynamic_stiffness(
-    system: LinearSystem, angular_frequencies: FloatArray, speeds: FloatArray
+    system: LinearSystem, angular_frequencies: Array, speeds: Array
 ) -> ComplexArray:
     """Return K + i H - w^2 M + i w C at each frequency and speed (m,) [rad/s], shape (m, q, q)."""
     w = angular_frequencies[:, np.newaxis, np.newaxis]
@@ -152,9 +152,9 @@ class DampedModes:
     inputs: ComplexArray  # (s, q): force to amplitude of each damped mode
     outputs: ComplexArray  # (s, q): that to motion
     rigid_outputs: ComplexArray  # (s, r): that to the velocity of each rigid motion
-    rigid_shapes: FloatArray  # (q, r)
-    alone: FloatArray  # frequencies of the undamped modes
-    alone_shapes: FloatArray
+    rigid_shapes: Array  # (q, r)
+    alone: Array  # frequencies of the undamped modes
+    alone_shapes: Array
 
     @classmethod
     def of(cls, system: LinearSystem) -> "DampedModes":
@@ -197,7 +197,7 @@ class DampedModes:
             alone_shapes=shapes[:, alone],
         )
 
-    def response(self, frequencies: FloatArray, forces: ComplexArray) -> ComplexArray:
+    def response(self, frequencies: Array, forces: ComplexArray) -> ComplexArray:
         """Return the motions (m, q) under forces that excite no undamped mode at its frequency."""
         s = 1j * frequencies[:, np.newaxis]
         gap = s - self.eigenvalues
@@ -218,22 +218,20 @@ class DampedModes:
         return np.asarray(motion)
 
     @cached_property
-    def _undamped(self) -> NDArray[np.int64]:
+    def _undamped(self) -> Integers:
         """Indices of eigenvalues that damping, though it couples modes, does not affect."""
         return np.flatnonzero(
             (np.abs(self.eigenvalues.real) <= UNDAMPED * np.abs(self.eigenvalues))
             & (self.eigenvalues.imag > 0.0)
         )
 
-    def near_resonance(self, frequencies: FloatArray) -> NDArray[np.int64]:
+    def near_resonance(self, frequencies: Array) -> Integers:
         """Return the indices of the frequencies nearest to those of the damped modes."""
         order = np.argsort(frequencies)
         places = np.searchsorted(frequencies[order], np.abs(self.eigenvalues.imag))
         return np.asarray(order[np.clip(places, 0, frequencies.size - 1)])
 
-    def undamped_resonance(
-        self, frequencies: FloatArray, forces: ComplexArray
-    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def undamped_resonance(self, frequencies: Array, forces: ComplexArray) -> tuple[Flags, Flags]:
         """Return which frequencies are those of an undamped mode, and where it is excited, (m,)."""
         met = np.zeros(frequencies.size, dtype=bool)
         excited = met.copy()
@@ -254,11 +252,11 @@ def damped_modes(system: LinearSystem) -> DampedModes:
     return DampedModes.of(system)
 
 
-def _at(natural: FloatArray | float, frequencies: FloatArray) -> NDArray[np.bool_]:
+def _at(natural: Array | float, frequencies: Array) -> Flags:
     return np.asarray(np.abs(frequencies - natural) <= UNBOUNDED_WITHIN * natural)
 
 
-def _quadratic_forms(matrix: FloatArray, shapes: FloatArray) -> FloatArray:
+def _quadratic_forms(matrix: Array, shapes: Array) -> Array:
     """Return the form x' A x of each shape, zero if it is within the round-off of its terms."""
     sizes = np.abs(np.sum(shapes * (matrix @ shapes), axis=0))
     terms = np.sum(np.abs(shapes) * (np.abs(matrix) @ np.abs(shapes)), axis=0)

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     nonnegative_vector,
     one_for_each,
     positive_number,
@@ -56,19 +57,17 @@ class LinearSystem:
         Springs that vary with frequency or speed; the matrices have their constant stiffness.
     """
 
-    mass: FloatArray
-    stiffness: FloatArray
-    damping: FloatArray
-    loss: FloatArray
-    rigid: FloatArray
-    expand: FloatArray
-    natural: FloatArray
-    shapes: FloatArray
+    mass: Array
+    stiffness: Array
+    damping: Array
+    loss: Array
+    rigid: Array
+    expand: Array
+    natural: Array
+    shapes: Array
     varying: tuple[VaryingSpring, ...] = ()
 
-    def varying_forces(
-        self, w: FloatArray, speeds: FloatArray, motion: ComplexArray
-    ) -> ComplexArray:
+    def varying_forces(self, w: Array, speeds: Array, motion: ComplexArray) -> ComplexArray:
         """Return the forces (m, q) of what varies at motions (m, q), frequencies and speeds (m,) [rad/s]."""
         forces = np.zeros_like(motion)
         for spring in self.varying:
@@ -94,7 +93,7 @@ class LinearSystem:
             varying=tuple(springs),
         )
 
-    def frequencies_met(self, order: float) -> tuple[FloatArray, FloatArray]:
+    def frequencies_met(self, order: float) -> tuple[Array, Array]:
         """Return the frequency [Hz] and the damping ratio of each elastic mode where an order meets it.
 
         What varies is as it is there: w is the frequency of the mode at w and at the speed w / order.
@@ -110,11 +109,11 @@ class LinearSystem:
         return frequencies, ratios
 
     @property
-    def elastic_frequencies(self) -> FloatArray:
+    def elastic_frequencies(self) -> Array:
         """Natural frequencies of the elastic modes, without damping [Hz], (q - r,), ascending."""
         return self.natural[self.rigid.shape[1] :] / (2.0 * np.pi)
 
-    def damping_ratios(self) -> FloatArray:
+    def damping_ratios(self) -> Array:
         """Return the share of critical damping of each elastic mode, (q - r,), all kinds together.
 
         Notes
@@ -213,9 +212,7 @@ def chain_system(chain: Chain) -> LinearSystem:
     )
 
 
-def natural_modes(
-    mass: FloatArray, stiffness: FloatArray, rigid: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def natural_modes(mass: Array, stiffness: Array, rigid: Array) -> tuple[Array, Array]:
     """Find the undamped modes of a system from its matrices.
 
     Parameters
@@ -243,7 +240,7 @@ def natural_modes(
     return frequencies, np.column_stack((_orthonormal(mass, rigid), elastic @ vectors))
 
 
-def _orthonormal(mass: FloatArray, rigid: FloatArray) -> FloatArray:
+def _orthonormal(mass: Array, rigid: Array) -> Array:
     """Return combinations of rigid motions that are of unit modal mass and orthogonal."""
     root = np.linalg.cholesky(rigid.T @ mass @ rigid)
     return np.asarray(np.linalg.solve(root, rigid.T).T)
@@ -302,20 +299,26 @@ class EngineMagnifier:
         positive_number("frequency", self.frequency, "Hz", "the damping is that at one frequency")
 
 
+class Dampings(TypedDict, total=False):
+    """Damping of all kinds; see `damped`."""
+
+    magnifier: float | None
+    modal_damping: ArrayLike | None
+    absolute: ArrayLike | Mapping[int, float] | None
+    relative: ArrayLike | Mapping[int, float] | None
+    loss_factor: ArrayLike | Mapping[int, float] | None
+    element_magnifier: ArrayLike | Mapping[int, float] | None
+    engine_magnifier: EngineMagnifier | None
+
+
 def damped(
     chain: Chain,
     *,
-    magnifier: float | None = None,
-    modal_damping: ArrayLike | None = None,
-    absolute: ArrayLike | Mapping[int, float] | None = None,
-    relative: ArrayLike | Mapping[int, float] | None = None,
-    loss_factor: ArrayLike | Mapping[int, float] | None = None,
-    element_magnifier: ArrayLike | Mapping[int, float] | None = None,
-    engine_magnifier: EngineMagnifier | None = None,
     undamped: bool = False,
     add: bool = False,
     source: str = "given",
     unit: str = DAMPING_UNIT,
+    **dampings: Unpack[Dampings],
 ) -> DampedChain:
     """Give a chain damping of any kinds; its own damping is kept.
 
@@ -350,15 +353,8 @@ def damped(
         undamped is combined with any damping, or a node or an element already has damping of the kind and
         `add` is not True.
     """
-    dampings = {
-        "magnifier": magnifier,
-        "modal_damping": modal_damping,
-        "absolute": absolute,
-        "relative": relative,
-        "loss_factor": loss_factor,
-        "element_magnifier": element_magnifier,
-        "engine_magnifier": engine_magnifier,
-    }
+    magnifier, modal_damping = dampings.get("magnifier"), dampings.get("modal_damping")
+    engine_magnifier = dampings.get("engine_magnifier")
     named = [
         name
         for name, value in dampings.items()
@@ -378,12 +374,12 @@ def damped(
             f"stiffness that varies with frequency or the operating point: {', '.join(at)}; forced "
             "vibration and critical speeds have it, natural frequencies are those of the constant one"
         )
-    between = of_elements("relative", relative, chain)
+    between = of_elements("relative", dampings.get("relative"), chain)
     at_nodes = values_at_nodes(
-        "absolute", absolute, chain.inertia.size, unit, "damping takes energy away"
+        "absolute", dampings.get("absolute"), chain.inertia.size, unit, "damping takes energy away"
     )
-    losses = of_elements("loss_factor", loss_factor, chain, unit="")
-    inverse = _inverse_magnifiers(element_magnifier, chain)
+    losses = of_elements("loss_factor", dampings.get("loss_factor"), chain, unit="")
+    inverse = _inverse_magnifiers(dampings.get("element_magnifier"), chain)
     by_place = {
         "absolute": f"absolute damping at nodes, up to {_largest(at_nodes):g} {unit}",
         "relative": f"relative damping of elements, up to {_largest(between):g} {unit}",
@@ -397,7 +393,10 @@ def damped(
         )
     of_cylinders = np.zeros(chain.inertia.size)
     if engine_magnifier is not None:
-        of_cylinders = _cylinder_damping(engine_magnifier, chain)
+        speed = 2.0 * np.pi * engine_magnifier.frequency
+        for node in engine_magnifier.nodes:
+            place = node_index("engine_magnifier.nodes", node, of_cylinders.size)
+            of_cylinders[place] = chain.inertia[place] * speed / engine_magnifier.magnifier
         notes.append(
             f"magnifier {engine_magnifier.magnifier:g} of cylinders (absolute damping, taken at "
             f"{engine_magnifier.frequency:g} Hz): {source}"
@@ -472,7 +471,7 @@ def of_elements(
     *,
     unit: str = DAMPING_UNIT,
     missing: float = 0.0,
-) -> FloatArray:
+) -> Array:
     """Return one value for each element (e,): from all, from single ones, or from one for all."""
     count = len(chain.connections)
     if values is None:
@@ -487,11 +486,11 @@ def of_elements(
     return one_for_each(field, values, count, "elements", unit, PASSIVE)
 
 
-def _largest(values: FloatArray) -> float:
+def _largest(values: Array) -> float:
     return float(np.max(values, initial=0.0))
 
 
-def _inverse_magnifiers(values: ArrayLike | Mapping[int, float] | None, chain: Chain) -> FloatArray:
+def _inverse_magnifiers(values: ArrayLike | Mapping[int, float] | None, chain: Chain) -> Array:
     magnifiers = of_elements("element_magnifier", values, chain, unit="", missing=np.inf)
     if np.any(magnifiers == 0.0):
         raise InputError(
@@ -499,12 +498,3 @@ def _inverse_magnifiers(values: ArrayLike | Mapping[int, float] | None, chain: C
             "numbers of more than zero, because the loss factor is their inverse."
         )
     return np.asarray(1.0 / magnifiers)
-
-
-def _cylinder_damping(choice: EngineMagnifier, chain: Chain) -> FloatArray:
-    added = np.zeros(chain.inertia.size)
-    speed = 2.0 * np.pi * choice.frequency
-    for node in choice.nodes:
-        place = node_index("engine_magnifier.nodes", node, added.size)
-        added[place] = chain.inertia[place] * speed / choice.magnifier
-    return added

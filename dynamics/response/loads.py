@@ -7,7 +7,7 @@ from typing import Literal, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.array_checks import ComplexArray, FloatArray, finite_array, positive_vector
+from crankbase.array_checks import Array, ComplexArray, Flags, finite_array, positive_vector
 from crankbase.choices import check_choice
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, SolveError
@@ -159,7 +159,7 @@ def varying_stiffness(response: ForcedResponse) -> list[tuple[Varying, ComplexAr
 
 def section_modulus(
     kind: Literal["torsional", "axial"], diameter: ArrayLike, bore: ArrayLike = 0.0
-) -> FloatArray:
+) -> Array:
     """Return the divisor of a load for the nominal stress of round sections.
 
     Parameters
@@ -278,14 +278,14 @@ class LinearQuantities:
     """
 
     names: tuple[str, ...]
-    rows: FloatArray
-    loads: NDArray[np.bool_]
-    inertia: FloatArray | None = None
-    direct: FloatArray | None = None
+    rows: Array
+    loads: Flags
+    inertia: Array | None = None
+    direct: Array | None = None
     varying: tuple[tuple[int, VaryingSpring], ...] = ()
 
     def at(
-        self, w: FloatArray, speeds: FloatArray, motion: ComplexArray, forces: ComplexArray
+        self, w: Array, speeds: Array, motion: ComplexArray, forces: ComplexArray
     ) -> ComplexArray:
         """Return all values (..., p) at frequencies (...) and speeds, which broadcast to them [rad/s]."""
         values = motion @ self.rows.T
@@ -297,7 +297,7 @@ class LinearQuantities:
             values = values + w[..., np.newaxis] ** 2 * (motion @ self.inertia.T)
         return values if self.direct is None else values + forces @ self.direct.T
 
-    def rows_at(self, places: NDArray[np.intp], w: FloatArray, speeds: FloatArray) -> FloatArray:
+    def rows_at(self, places: NDArray[np.intp], w: Array, speeds: Array) -> Array:
         """Return rows + w^2 inertia of one quantity at each frequency and speed, (m, q)."""
         rows = self.rows[places]
         for place, spring in self.varying:
@@ -308,8 +308,8 @@ class LinearQuantities:
     def each(
         self,
         places: NDArray[np.intp],
-        w: FloatArray,
-        speeds: FloatArray,
+        w: Array,
+        speeds: Array,
         motion: ComplexArray,
         forces: ComplexArray,
     ) -> ComplexArray:
@@ -360,7 +360,7 @@ def load_quantities(
     )
 
 
-def pushing(response: ForcedResponse) -> FloatArray:
+def pushing(response: ForcedResponse) -> Array:
     """Return what of `OrderExcitation.acting` pushes elements' ends apart, as forces on the unknowns.
 
     Returns
@@ -377,7 +377,7 @@ def pushing(response: ForcedResponse) -> FloatArray:
 
 def motion_rows(
     response: ForcedResponse, nodes: Sequence[int | str] | None = None
-) -> tuple[FloatArray, tuple[str, ...]]:
+) -> tuple[Array, tuple[str, ...]]:
     """Return the motions of nodes relative to those of the rigid body, (p, q), and their names."""
     why = "an amplitude is that of a node"
     chosen = range(len(response.names)) if nodes is None else nodes
@@ -441,21 +441,21 @@ class PowerBalance:
         [rad/s].
     """
 
-    power_in: FloatArray
-    apparent: FloatArray
-    elements: FloatArray
-    dashpots: FloatArray
-    ground: FloatArray
-    rest: FloatArray
-    unbounded: NDArray[np.bool_]
+    power_in: Array
+    apparent: Array
+    elements: Array
+    dashpots: Array
+    ground: Array
+    rest: Array
+    unbounded: Flags
     element_names: tuple[str, ...]
     dashpot_names: tuple[str, ...]
     node_names: tuple[str, ...]
-    orders: FloatArray
-    speeds: FloatArray
+    orders: Array
+    speeds: Array
 
     @property
-    def dissipated(self) -> FloatArray:
+    def dissipated(self) -> Array:
         """All heat together [W], (K, S); it equals the power of excitation."""
         heat = self.elements.sum(axis=2) + self.dashpots.sum(axis=2) + self.ground.sum(axis=2)
         return np.asarray(heat + self.rest)
@@ -565,7 +565,7 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
         varying = system.varying_forces(w.reshape(-1), speeds, moved.reshape(w.size, -1))
         rest = rest + 0.5 * w * np.sum(np.conj(moved) * varying.reshape(moved.shape), axis=2).imag
 
-    def endless(values: FloatArray) -> FloatArray:
+    def endless(values: Array) -> Array:
         return with_unbounded(values, response.unbounded)
 
     return PowerBalance(
@@ -595,6 +595,6 @@ def checked_power_balance(response: ForcedResponse) -> PowerBalance:
     return balance
 
 
-def _quadratic(matrix: FloatArray, motion: ComplexArray) -> FloatArray:
+def _quadratic(matrix: Array, motion: ComplexArray) -> Array:
     """Return x* A x of each motion (K, S, q)."""
     return np.asarray(np.sum((np.conj(motion) * (motion @ matrix)).real, axis=2))

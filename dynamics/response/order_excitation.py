@@ -3,18 +3,19 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
+    Integers,
     check_sizes,
     complex_array,
     positive_vector,
     radians_of,
     read_only,
 )
-from crankbase.choices import whole_within
+from crankbase.choices import check_some, whole_within
 from crankbase.errors import InputError
 from crankbase.frames import Dataset, grid
 from crankbase.results import result
@@ -35,11 +36,11 @@ class OverSpeed:
         for a single known speed.
     """
 
-    speeds: FloatArray
+    speeds: Array
     coefficients: ComplexArray
 
     @classmethod
-    def of(cls, speeds: FloatArray, amplitudes: ComplexArray) -> "OverSpeed":
+    def of(cls, speeds: Array, amplitudes: ComplexArray) -> "OverSpeed":
         """Return the curves through amplitudes (K, S, n).
 
         Notes
@@ -57,12 +58,12 @@ class OverSpeed:
 
         return cls(speeds, np.asarray(CubicSpline(speeds, values).c).swapaxes(0, 1))
 
-    def pieces(self, speeds: FloatArray) -> NDArray[np.int64]:
+    def pieces(self, speeds: Array) -> Integers:
         """Return the pieces of speeds; the first and the last one are extrapolated."""
         places = np.searchsorted(self.speeds, speeds, "right") - 1
         return np.asarray(np.clip(places, 0, len(self.coefficients) - 1))
 
-    def at(self, order_index: NDArray[np.int64], speeds: FloatArray) -> ComplexArray:
+    def at(self, order_index: Integers, speeds: Array) -> ComplexArray:
         """Return amplitudes at pairs of order and speed, which are broadcast, shape (..., n)."""
         pieces = self.pieces(speeds)
         above = (speeds - self.speeds[pieces])[..., np.newaxis]
@@ -104,8 +105,8 @@ class OrderExcitation:
         for every order, speed and node or element.
     """
 
-    orders: FloatArray
-    speeds: FloatArray
+    orders: Array
+    speeds: Array
     forces: ComplexArray
     pressing: ComplexArray | None = None
 
@@ -131,7 +132,7 @@ class OrderExcitation:
         object.__setattr__(self, name, array)
 
     @property
-    def angular_frequencies(self) -> FloatArray:
+    def angular_frequencies(self) -> Array:
         """Angular frequency of each order at each speed [rad/s], (K, S)."""
         return np.outer(self.orders, self.speeds)
 
@@ -142,7 +143,7 @@ class OrderExcitation:
             return self.forces
         return np.concatenate((self.forces, self.pressing), axis=2)
 
-    def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
+    def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> Array:
         """Return the forces at shaft angles, all orders together, without their mean, (m, n).
 
         Parameters
@@ -198,9 +199,7 @@ class OrderExcitation:
         )
 
 
-def acting_at(
-    excitation: OrderExcitation, order_index: NDArray[np.int64], speeds: FloatArray
-) -> ComplexArray:
+def acting_at(excitation: OrderExcitation, order_index: Integers, speeds: Array) -> ComplexArray:
     """Return what acts at pairs of order and speed [rad/s] (m,), which are broadcast, interpolated."""
     low, high = excitation.speeds[[0, -1]]
     outside = (speeds < low * (1.0 - ROOM)) | (speeds > high * (1.0 + ROOM))
@@ -243,36 +242,35 @@ def phasors_of(harmonics: Harmonics, orders: ArrayLike) -> ComplexArray:
     return np.asarray(harmonics.cosine[places] - 1j * harmonics.sine[places])
 
 
-def at_angles(orders: FloatArray, phasors: ComplexArray, shaft_angles: FloatArray) -> FloatArray:
+def at_angles(orders: Array, phasors: ComplexArray, shaft_angles: Array) -> Array:
     """Return Re sum_k Y_k exp(i k phi): phasors (K, ...) at angles (m,) give (m, ...)."""
     turning = np.exp(1j * np.outer(shaft_angles, orders))
     return np.asarray(np.tensordot(turning, phasors, axes=1).real)
 
 
-def checked_orders(orders: ArrayLike) -> FloatArray:
+def checked_orders(orders: ArrayLike) -> Array:
     """Return orders (K,), above zero and ascending."""
     values = positive_vector("orders", orders, "", "they count cycles per crankshaft revolution")
     check_ascending("orders", values, "", "each order counts once")
     return values
 
 
-def checked_speeds(speeds: ArrayLike) -> FloatArray:
+def checked_speeds(speeds: ArrayLike) -> Array:
     """Return speeds (S,) [rad/s], above zero and ascending."""
     values = positive_vector("speeds", speeds, "rad/s", "an order of a shaft at rest is no motion")
     check_ascending("speeds", values, " rad/s", "a speed range runs from the lowest to the highest")
     return values
 
 
-def checked_speed_index(speed_index: int, speeds: FloatArray) -> int:
+def checked_speed_index(speed_index: int, speeds: Array) -> int:
     """Return the index of a speed, from 0."""
     reason = f"there are {speeds.size} speeds"
     return whole_within("speed_index", speed_index, 0, speeds.size - 1, reason)
 
 
-def check_ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
+def check_ascending(field: str, values: Array, unit: str, why: str) -> None:
     """Refuse values that do not ascend, or are empty."""
-    if values.size == 0:
-        raise InputError(f"{field}: given no values; allowed are one or more, because {why}.")
+    check_some(field, values, why)
     falling = np.flatnonzero(np.diff(values) <= 0.0)
     if falling.size:
         place = int(falling[0]) + 1

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
 from crankbase.array_checks import ComplexArray
-from crankbase.frames import table_of
+from crankbase.frames import DataFrame, table_of
 from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, result
 from crankbase.sentences import kept
 from dynamics import wording
@@ -17,9 +17,6 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import named_quantity, pushing
 from dynamics.response.order_excitation import OrderExcitation, checked_speed_index
 from dynamics.response.series import OrderSeries, extreme_angles
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 # A mode makes an order's amplitude if it gives more than half of it.
 DOMINATES = 0.5
@@ -158,7 +155,7 @@ class PeakCause(Result):
             shares.append((words, _total(runs) / whole))
         return shares
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a table with a row for each order.
 
         Units and errors are those of `crankbase.frames.table`.
@@ -339,19 +336,14 @@ def peak_cause(
         elif most >= 0 and abs(whole[at, 0]) > 0.0 and AMPLIFIED * static[at] < np.sum(shares[at]):
             part = replace(part, state="amplified")
         if driven is not None and part.state == "forced" and brought[at] > DOMINATES:
-            part = _resonance_of(part, driven[1])
+            # The resonance of that order of the other vibration, if it has one.
+            kept = {name: getattr(part, name) for name in ("contribution", "amplitude", "unit")}
+            for resonant in driven[1].parts:
+                if resonant.order == order and resonant.state != "forced":
+                    part = replace(resonant, **kept)
         parts.append(part)
     total = float("inf") if np.any(endless) else float(np.sum(contributions))
     return PeakCause(series.names[number], kind, unit, speed, total, tuple(parts))
-
-
-def _resonance_of(part: OrderPart, other: PeakCause) -> OrderPart:
-    """Return a part with the resonance of the same order of another vibration, if there is one."""
-    for resonant in other.parts:
-        if resonant.order == part.order and resonant.state != "forced":
-            kept = {name: getattr(part, name) for name in ("contribution", "amplitude", "unit")}
-            return replace(resonant, **kept)
-    return part
 
 
 def _state(magnifier: float, largest: float, detuning: float) -> State:

@@ -5,17 +5,17 @@ from math import pi
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     checked_range,
     nonnegative_vector,
     one_for_each,
     positive_vector,
 )
-from crankbase.choices import whole_number
+from crankbase.choices import check_some, whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes
@@ -171,10 +171,10 @@ def resonances(
     )
 
 
-def _summed(phasors: ComplexArray) -> tuple[FloatArray, FloatArray]:
+def _summed(phasors: ComplexArray) -> tuple[Array, Array]:
     """Return the magnitude of each row's sum, and its share of the sum of magnitudes (0 without forces)."""
     sums, sizes = np.abs(phasors.sum(axis=1)), np.abs(phasors).sum(axis=1)
-    share: NDArray[np.float64] = np.divide(sums, sizes, out=np.zeros(sums.size), where=sizes > 0.0)
+    share: Array = np.divide(sums, sizes, out=np.zeros(sums.size), where=sizes > 0.0)
     return sums, share
 
 
@@ -196,7 +196,7 @@ def refined_speeds(
     speed_range: tuple[float, float],
     *,
     points: int = POINTS,
-) -> FloatArray:
+) -> Array:
     """Return speeds that miss no peak of a lightly damped system.
 
     Parameters
@@ -246,10 +246,10 @@ def refined_speeds(
 
 def speeds_about(
     critical: Sequence[CriticalSpeed],
-    ratios: FloatArray,
+    ratios: Array,
     ends: tuple[float, float],
     count: int = POINTS,
-) -> FloatArray:
+) -> Array:
     """Return `refined_speeds` about known critical speeds, for checked ratios and ends."""
     low, high = ends
     even = np.linspace(low, high, count)
@@ -297,10 +297,7 @@ def campbell_diagram(
     """
     natural = nonnegative_vector("frequencies", frequencies, "Hz", "modes swing at them")
     lines = positive_vector("orders", orders, "", "their lines rise with the speed")
-    if not lines.size:
-        raise InputError(
-            "orders: given none; allowed is one or more, because their lines set the height."
-        )
+    check_some("orders", lines, "their lines set the height")
     ends = checked_range("speed_range", speed_range, "rad/s", "it is shaded")
     axes = new_axes(axes, height=4.8)
     draw_campbell(axes, natural, lines, ends, met)

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
+    Flags,
+    Integers,
     checked_range,
     radians_of,
     regular_array,
 )
-from crankbase.choices import whole_number, whole_within
+from crankbase.choices import check_kind, whole_number, whole_within
 from crankbase.diagrams import Diagram, draw_diagram, legend_below, new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, Dataset, grid
@@ -37,9 +39,7 @@ from dynamics.plots.curves import (
 from dynamics.response.order_excitation import at_angles, checked_speed_index
 
 
-def checked_limits(
-    limits: Mapping[str, ArrayLike] | None, speed_count: int
-) -> dict[str, FloatArray]:
+def checked_limits(limits: Mapping[str, ArrayLike] | None, speed_count: int) -> dict[str, Array]:
     """Return limits for a diagram over speeds, each with a value at every speed.
 
     Parameters
@@ -51,11 +51,7 @@ def checked_limits(
     """
     if limits is None:
         return {}
-    if not isinstance(limits, Mapping):
-        raise InputError(
-            f"limits: given {quoted(limits)}; allowed is a mapping of names to limits, because each is drawn "
-            "with its name."
-        )
+    check_kind("limits", limits, Mapping, "a mapping of names to limits")
     checked = {}
     for name, values in limits.items():
         field = f"limits[{name!r}]"
@@ -127,20 +123,20 @@ class Synthesis:
         Shaft angle after which the vibration repeats [rad].
     """
 
-    speeds: FloatArray
-    amplitude: FloatArray
-    highest: FloatArray
-    lowest: FloatArray
-    plain_sum: FloatArray
-    unbounded: NDArray[np.bool_]
+    speeds: Array
+    amplitude: Array
+    highest: Array
+    lowest: Array
+    plain_sum: Array
+    unbounded: Flags
     period: float
 
 
 def synthesis(
-    orders: FloatArray,
-    speeds: FloatArray,
+    orders: Array,
+    speeds: Array,
     phasors: ComplexArray,
-    unbounded: NDArray[np.bool_] | None = None,
+    unbounded: Flags | None = None,
 ) -> Synthesis:
     """Sum the orders over their cycle, and find the extremes.
 
@@ -196,7 +192,7 @@ def synthesis(
     )
 
 
-def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
+def common_order(orders: Array) -> tuple[Integers, float]:
     """Find the highest order of which all are integer multiples.
 
     Returns
@@ -210,7 +206,7 @@ def common_order(orders: FloatArray) -> tuple[NDArray[np.int64], float]:
 
 
 @lru_cache(maxsize=8)
-def _common_order(orders: tuple[float, ...]) -> tuple[NDArray[np.int64], float]:
+def _common_order(orders: tuple[float, ...]) -> tuple[Integers, float]:
     fractions = [Fraction(order).limit_denominator(LARGEST_DENOMINATOR) for order in orders]
     below = lcm(*(fraction.denominator for fraction in fractions))
     above = [fraction.numerator * (below // fraction.denominator) for fraction in fractions]
@@ -231,7 +227,7 @@ def _common_order(orders: tuple[float, ...]) -> tuple[NDArray[np.int64], float]:
     return np.array([number // share for number in above]), float(common)
 
 
-def extreme_angles(orders: FloatArray, phasors: ComplexArray) -> tuple[float, float]:
+def extreme_angles(orders: Array, phasors: ComplexArray) -> tuple[float, float]:
     """Return the shaft angles [rad] at which the sum of the orders (K,) is highest and lowest."""
     multiples, common = common_order(orders)
     size = 2 ** int(np.ceil(np.log2(SAMPLES_PER_CYCLE * int(multiples[-1]))))
@@ -244,9 +240,7 @@ def extreme_angles(orders: FloatArray, phasors: ComplexArray) -> tuple[float, fl
     return highest, lowest
 
 
-def _extremes(
-    multiples: NDArray[np.int64], phasors: ComplexArray, samples: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _extremes(multiples: Integers, phasors: ComplexArray, samples: Array) -> tuple[Array, Array]:
     """Return the highest and the lowest value of each sum (2, p) and their first angles (2, p).
 
     The amplitudes of each sum, from phasors (K, p) and samples (p, m), add up to one.
@@ -298,7 +292,7 @@ def _extremes(
     return np.multiply([[1.0], [-1.0]], extremes.reshape(2, sums)), angles.reshape(2, sums)
 
 
-def _turned(rises: NDArray[np.int64], which: NDArray[np.intp], angle: FloatArray) -> ComplexArray:
+def _turned(rises: Integers, which: NDArray[np.intp], angle: Array) -> ComplexArray:
     """Return exp(i k phi) at angles phi (p,) for k ascending from 0 by some of the rises, (K, p)."""
     factors = np.exp(1j * np.outer(rises, angle))
     turned = np.empty((which.size, angle.size), dtype=np.complex128)
@@ -348,14 +342,14 @@ class OrderSeries:
         Names of the locations.
     """
 
-    orders: FloatArray
-    speeds: FloatArray
+    orders: Array
+    speeds: Array
     values: ComplexArray
-    unbounded: NDArray[np.bool_]
+    unbounded: Flags
     names: tuple[str, ...]
 
     @cached_property
-    def amplitude(self) -> FloatArray:
+    def amplitude(self) -> Array:
         """Amplitude by order, speed and location, (K, S, p); inf where unbounded."""
         return with_unbounded(np.abs(self.values), self.unbounded)
 
@@ -369,7 +363,7 @@ class OrderSeries:
         """Index of the location with the largest amplitude of all orders together, from 0."""
         return int(np.argmax(np.max(self.synthesis.amplitude, axis=0)))
 
-    def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> FloatArray:
+    def at_angle(self, speed_index: int, *, shaft_angle_deg: ArrayLike) -> Array:
         """Return the values over shaft angles, all orders together, without their mean, (m, p).
 
         Parameters
@@ -504,7 +498,7 @@ class OrderSeries:
         )
 
 
-def with_unbounded(values: FloatArray, unbounded: NDArray[np.bool_]) -> FloatArray:
+def with_unbounded(values: Array, unbounded: Flags) -> Array:
     """Return values (K, S, ...) with inf where the response is unbounded (K, S)."""
     where = unbounded.reshape(unbounded.shape + (1,) * (values.ndim - unbounded.ndim))
     return np.where(where, np.inf, values)

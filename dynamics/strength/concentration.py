@@ -1,14 +1,14 @@
 """Stress concentration of crank webs by UR M53 or elements, and the nominal stresses that it multiplies."""
 
 import math
-from dataclasses import KW_ONLY, dataclass, fields
+from dataclasses import KW_ONLY, fields
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     check_shape,
     finite_array,
     finite_vector,
@@ -17,7 +17,7 @@ from crankbase.array_checks import (
 )
 from crankbase.choices import check_choice, check_kind
 from crankbase.errors import InputError
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import checked_strokes
 from dynamics.response.loads import section_modulus
 
@@ -43,8 +43,7 @@ MAY_BE_ZERO = (
 )
 
 
-@summarized("pin_diameter [m]", "journal_diameter [m]", "overlap [m]", "web_thickness [m]")
-@dataclass(frozen=True)
+@frozen("pin_diameter [m]", "journal_diameter [m]", "overlap [m]", "web_thickness [m]")
 class CrankWeb:
     """One web of a throw with the adjacent pin and main journal [m].
 
@@ -194,8 +193,7 @@ FACTORS = (
 )
 
 
-@summarized("alpha_bending", "alpha_torsion", "beta_bending", "beta_torsion", "coefficients")
-@dataclass(frozen=True)
+@frozen("alpha_bending", "alpha_torsion", "beta_bending", "beta_torsion", "coefficients")
 class ConcentrationFactors:
     """Factors on the nominal stresses of a web's pin and journal, each calculated on demand.
 
@@ -433,8 +431,7 @@ SYMBOLS = dict(
 )
 
 
-@summarized("alpha_bending", "alpha_torsion", "beta_bending", "beta_shear", "beta_torsion")
-@dataclass(frozen=True)
+@frozen("alpha_bending", "alpha_torsion", "beta_bending", "beta_shear", "beta_torsion")
 class ElementFactors:
     """Factors on the nominal stresses of a web's pin and journal by finite elements (Appendix III, VI).
 
@@ -526,8 +523,7 @@ BENDING_SHARE = {2: 0.8, 4: 1.0}
 DIRECTIONS_DEG = np.arange(0.0, 180.0)
 
 
-@summarized("length [m]", "rods [m]")
-@dataclass(frozen=True, eq=False)
+@frozen("length [m]", "rods [m]", eq=False)
 class SupportedThrow:
     """One throw on two supports, the middles of its main journals: statically determinate.
 
@@ -569,7 +565,7 @@ class SupportedThrow:
                 )
             object.__setattr__(self, name, forces)
 
-    def moment(self, at: float, force: ArrayLike) -> FloatArray:
+    def moment(self, at: float, force: ArrayLike) -> Array:
         """Return the bending moment at a distance from the left support, of forces as `radial` [N m], (m,).
 
         Raises
@@ -581,13 +577,13 @@ class SupportedThrow:
         left = (self.length - rods) / self.length @ forces
         return np.asarray(left * at - np.maximum(at - rods, 0.0) @ forces)
 
-    def shear(self, at: float, force: ArrayLike) -> FloatArray:
+    def shear(self, at: float, force: ArrayLike) -> Array:
         """Return the shear force at a distance from the left support [N], (m,); otherwise as `moment`."""
         rods, forces = self._checked(at, force)
         left = (self.length - rods) / self.length @ forces
         return np.asarray(left - (rods < at).astype(float) @ forces)
 
-    def _checked(self, at: float, force: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def _checked(self, at: float, force: ArrayLike) -> tuple[Array, Array]:
         """Return the rods and the forces on them, checked with the position of the section."""
         nonnegative_number("at", at, "m", "it is counted from the left support")
         rods, forces = np.asarray(self.rods), finite_array("force", force)
@@ -595,7 +591,7 @@ class SupportedThrow:
         return rods, forces
 
 
-def alternating(values: ArrayLike) -> FloatArray:
+def alternating(values: ArrayLike) -> Array:
     """Return half of the distance from the lowest to the highest value over the last axis.
 
     Raises

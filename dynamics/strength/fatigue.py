@@ -1,14 +1,14 @@
 """Fatigue by UR M53, of hardened surfaces too (Appendix V), and Findley's criterion."""
 
 import math
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
+    Integers,
     check_shape,
     finite_array,
     nonnegative_number,
@@ -17,7 +17,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.results import Number, Part, Quantity, Result, result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.strength.concentration import ConcentrationFactors, ElementFactors
 
 Stress = Annotated[float, Quantity("Pa")]
@@ -195,8 +195,7 @@ HELD, MOST_STEPS = 1e-9, 60
 FLAT = 1e-9
 
 
-@summarized("value [Pa]", "shear_amplitude [Pa]", "normal_stress [Pa]", "moment", "normal")
-@dataclass(frozen=True, eq=False)
+@frozen("value [Pa]", "shear_amplitude [Pa]", "normal_stress [Pa]", "moment", "normal", eq=False)
 class CriticalPlane:
     """The plane through a point on which the criterion is largest.
 
@@ -218,7 +217,7 @@ class CriticalPlane:
     shear_amplitude: float
     normal_stress: float
     moment: int
-    normal: FloatArray
+    normal: Array
 
 
 def findley_factor(torsion_share: float = TORSION_SHARE) -> float:
@@ -319,7 +318,7 @@ def critical_plane(history: ArrayLike, factor: float) -> CriticalPlane:
     )
 
 
-def _corners(history: FloatArray) -> NDArray[np.int64]:
+def _corners(history: Array) -> Integers:
     """Return the moments at which the path turns outwards: only they determine circle and largest stress."""
     centered = history - history.mean(axis=0)
     _, sizes, axes = np.linalg.svd(centered, full_matrices=False)
@@ -336,7 +335,7 @@ def _corners(history: FloatArray) -> NDArray[np.int64]:
         return np.arange(len(history))
 
 
-def findley_bound(histories: ArrayLike, factor: float) -> FloatArray:
+def findley_bound(histories: ArrayLike, factor: float) -> Array:
     """Return an upper bound of the criterion on any plane, (...), of histories (..., m, 3) [Pa].
 
     Notes
@@ -352,13 +351,13 @@ def findley_bound(histories: ArrayLike, factor: float) -> FloatArray:
     return np.asarray(shear + factor * np.maximum((mean + radius).max(axis=-1), 0.0))
 
 
-def _circle(stress: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _circle(stress: Array) -> tuple[Array, Array]:
     """Center and radius of Mohr's circle in the surface."""
     first, second, between = np.moveaxis(stress, -1, 0)
     return 0.5 * (first + second), np.hypot(0.5 * (first - second), between)
 
 
-def _normals(angles: FloatArray) -> FloatArray:
+def _normals(angles: Array) -> Array:
     """Unit normals (p, 3) of planes by angle in the surface and angle from its normal (p, 2)."""
     around, down = angles.T
     return np.stack(
@@ -366,15 +365,13 @@ def _normals(angles: FloatArray) -> FloatArray:
     )
 
 
-def _on_planes(
-    history: FloatArray, angles: FloatArray, factor: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _on_planes(history: Array, angles: Array, factor: float) -> tuple[Array, Array, Array]:
     """Return criterion (p,), shear amplitude (p,) and normal stress (p, m) on planes."""
     around, normals = angles[:, 0], _normals(angles)
     along = np.stack([-np.sin(around), np.cos(around), np.zeros_like(around)], axis=1)
     across = np.cross(normals, along)
 
-    def acting(direction: FloatArray) -> FloatArray:
+    def acting(direction: Array) -> Array:
         """Stress (p, m) on the planes in a direction."""
         a, b = normals[:, 0], normals[:, 1]
         x, y = direction[:, 0], direction[:, 1]
@@ -385,7 +382,7 @@ def _on_planes(
     return shear + factor * normal.max(axis=1), shear, normal
 
 
-def enclosing_radius(paths: ArrayLike) -> FloatArray:
+def enclosing_radius(paths: ArrayLike) -> Array:
     """Return the radius (b,) of the smallest circle around each path (b, m, 2).
 
     Notes
@@ -396,7 +393,7 @@ def enclosing_radius(paths: ArrayLike) -> FloatArray:
     points = np.asarray(paths, dtype=np.float64)
     count = np.arange(len(points))
 
-    def farthest(center: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def farthest(center: Array) -> tuple[Array, Array]:
         distance = np.linalg.norm(points - center[:, None], axis=2)
         place = distance.argmax(axis=1)
         return points[count, place], distance[count, place]
@@ -415,7 +412,7 @@ def enclosing_radius(paths: ArrayLike) -> FloatArray:
     return np.asarray(radius)
 
 
-def _round_four(held: FloatArray, new: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _round_four(held: Array, new: Array) -> tuple[Array, Array, Array]:
     """Return the smallest circle through `new` (b, 2) around it and three points (b, 3, 2).
 
     Gives the points that determine it (b, 3, 2), its center and its radius.
@@ -453,12 +450,9 @@ BELOW_HARDENED = 0.8
 # The transition below a nitrided layer, over its depth.
 NITRIDED_TRANSITION = 1.2
 NITRIDED_STRENGTH, NITRIDED_HARDNESS = 450e6, 600.0
-# Hardening depths from the end of the hardened zone, and what the strength is there.
-END_OF_HARDENING = ((1.0, 0.80), (2.0, 0.88), (3.0, 0.94))
 
 
-@summarized("process", "depth [m]", "surface_hardness", "surface_strength [Pa]")
-@dataclass(frozen=True)
+@frozen("process", "depth [m]", "surface_hardness", "surface_strength [Pa]")
 class SurfaceTreatment:
     """A hardened surface.
 
@@ -519,7 +513,7 @@ class SurfaceTreatment:
         strength = positive_number("untreated", untreated, "Pa", "a strength is positive")
         return strength * (BELOW_HARDENED if self.process == "induction" else 1.0)
 
-    def hardness(self, depths: ArrayLike, core_hardness: float) -> FloatArray:
+    def hardness(self, depths: ArrayLike, core_hardness: float) -> Array:
         """Return the Vickers hardness below a nitrided surface.
 
         Parameters
@@ -551,26 +545,6 @@ class SurfaceTreatment:
             )
         share = finite_array("depths", depths) / self.depth
         return np.asarray(core + above * (50.0 / above) ** (share**2))
-
-
-def strength_near_end(distance: float, depth: float) -> float:
-    """Return the factor on the strength near the end of induction hardening at the surface.
-
-    Parameters
-    ----------
-    distance, depth : float
-        From the end of the hardened zone, and its depth [m]: 0.8, 0.88 and 0.94 up to one, two and three
-        depths, 1 beyond.
-
-    Raises
-    ------
-    InputError
-        If either is not above zero.
-    """
-    ratio = positive_number("distance", distance, "m", "it is a length") / positive_number(
-        "depth", depth, "m", "it is a length"
-    )
-    return next((share for end, share in END_OF_HARDENING if ratio <= end), 1.0)
 
 
 def factors_below(

@@ -1,7 +1,7 @@
 """The shrink fit of a semi-built crankshaft by UR M53: bore, shrinkage and adjacent fillet."""
 
 import math
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from functools import cached_property
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from crankbase.array_checks import nonnegative_number, positive_number
 from crankbase.errors import InputError
 from crankbase.results import Number, Part, Quantity, Result
 from crankbase.sentences import amount, with_sentences
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.strength.fatigue import Stress
 
 Length = Annotated[float, Quantity("m")]
@@ -25,8 +25,7 @@ LENGTHS = ("shrink_diameter", "shrink_length", "web_diameter", "journal_diameter
 
 
 @with_sentences
-@summarized("least_shrinkage [m]", "most_shrinkage [m]", "largest_bore [m]", "refusals", "remarks")
-@dataclass(frozen=True)
+@frozen("least_shrinkage [m]", "most_shrinkage [m]", "largest_bore [m]", "refusals", "remarks")
 class ShrinkFit(Result):
     """A journal shrunk into a web.
 

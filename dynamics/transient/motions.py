@@ -3,20 +3,19 @@
 import contextlib
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, TypeAlias, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.array_checks import ComplexArray, FloatArray, finite_array, positive_number
+from crankbase.array_checks import Array, ComplexArray, finite_array, positive_number
 from crankbase.choices import check_choice, whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.quantity import RPM, format_quantity
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.indices import index_of_name, node_index
@@ -60,7 +59,7 @@ OF_ELEMENTS = ("torque", "force")
 
 
 def select_curve(
-    chain: Chain | None, quantity: Moving, place: int | str, motion: FloatArray, torque: FloatArray
+    chain: Chain | None, quantity: Moving, place: int | str, motion: Array, torque: Array
 ) -> SelectedCurve:
     """Select the motion of a node or the load of an element.
 
@@ -117,8 +116,8 @@ def units_of(quantity: Moving | None) -> tuple[str, str]:
 def motion_grid(
     chain: Chain | None,
     over: dict[str, Coordinate],
-    motion: FloatArray,
-    torque: FloatArray,
+    motion: Array,
+    torque: Array,
     quantity: Moving | None,
     words: str = "motion",
     **more: Any,
@@ -149,8 +148,7 @@ def motion_grid(
     )
 
 
-@summarized("turns", "time [s]", "speed [rad/s]", "motion", "torque")
-@dataclass(frozen=True, eq=False)
+@frozen("turns", "time [s]", "speed [rad/s]", "motion", "torque", eq=False)
 class Envelope:
     """Half of the range within each window of whole revolutions.
 
@@ -169,10 +167,10 @@ class Envelope:
     """
 
     turns: int
-    time: FloatArray
-    speed: FloatArray
-    motion: FloatArray
-    torque: FloatArray
+    time: Array
+    speed: Array
+    motion: Array
+    torque: Array
 
     def plot(
         self,
@@ -217,11 +215,11 @@ class Envelope:
 
 
 def envelope_over(
-    time: FloatArray,
-    speed: FloatArray,
-    shaft_angle: FloatArray,
-    motion: FloatArray,
-    torque: FloatArray,
+    time: Array,
+    speed: Array,
+    shaft_angle: Array,
+    motion: Array,
+    torque: Array,
     turns: int,
 ) -> Envelope:
     """Return the envelope of a motion sampled at times [s], speeds [rad/s] and shaft angles [rad], (m,).
@@ -247,7 +245,7 @@ def envelope_over(
     starts = np.searchsorted(shaft_angle, edges - 1e-9 * window)
     middles = 0.5 * (edges[1:] + edges[:-1])
 
-    def half_ranges(values: FloatArray) -> FloatArray:
+    def half_ranges(values: Array) -> Array:
         halves = [
             half_peak_to_peak(values[max(first - 1, 0) : last + 1])
             for first, last in pairwise(starts.tolist())
@@ -264,7 +262,7 @@ def envelope_over(
     )
 
 
-def half_peak_to_peak(values: FloatArray) -> FloatArray:
+def half_peak_to_peak(values: Array) -> Array:
     """Return half of the peak-to-peak value of samples (m, k), (k,).
 
     The extremes are those of the parabolas through the highest and the lowest sample and its
@@ -276,7 +274,7 @@ def half_peak_to_peak(values: FloatArray) -> FloatArray:
     return np.asarray(0.5 * (_peak(values) + _peak(-values)))
 
 
-def _peak(values: FloatArray) -> FloatArray:
+def _peak(values: Array) -> Array:
     columns = np.arange(values.shape[1])
     places = np.argmax(values, axis=0)
     highest = values[places, columns]
@@ -297,27 +295,34 @@ class CycleMotion:
     """A cycle: its revolutions, angles (m,), motions (m, n) and torques (m, e), and its plots."""
 
     turns: int
-    shaft_angle_deg: FloatArray
-    motion: FloatArray
-    torque: FloatArray
+    shaft_angle_deg: Array
+    motion: Array
+    torque: Array
 
     @property
-    def amplitude(self) -> FloatArray:
+    def amplitude(self) -> Array:
         """Half of the range of each node [rad or m], (n,); inf if unbounded."""
         return self._half_way(self.motion)
 
     @property
-    def torque_amplitude(self) -> FloatArray:
+    def torque_amplitude(self) -> Array:
         """Half of the range of each element [N m or N], (e,)."""
         return self._half_way(self.torque)
 
     def phasors(self, orders: ArrayLike) -> ComplexArray:
         """Return X_k of the motion, mean + Re sum X_k exp(i k phi), shape (K, n)."""
-        return self._phasors(orders, self.motion)
-
-    def torque_phasors(self, orders: ArrayLike) -> ComplexArray:
-        """Return the phasors of the elements' torque by orders, shape (K, e) [N m or N]; as `phasors`."""
-        return self._phasors(orders, self.torque)
+        wanted = np.atleast_1d(finite_array("orders", orders))
+        cycles = wanted * self.turns
+        whole = np.round(cycles)
+        count = self.shaft_angle_deg.size
+        if np.any((np.abs(cycles - whole) > 1e-9 * whole) | (whole < 1) | (2.0 * whole >= count)):
+            raise InputError(
+                f"orders: given {wanted.tolist()}; allowed are multiples of {1.0 / self.turns:g} above zero "
+                f"and below {0.5 * count / self.turns:g}, because the cycle has {self.turns} turns and "
+                f"{count} samples."
+            )
+        waves = np.exp(-1j * np.outer(wanted, np.radians(self.shaft_angle_deg)))
+        return np.asarray(waves @ self.motion * (2.0 / count))
 
     def plot(
         self, axes: Axes | None = None, place: int | str = 0, *, quantity: Moving = "torque"
@@ -356,43 +361,29 @@ class CycleMotion:
         axis = {"shaft_angle": angle_axis(self.shaft_angle_deg)}
         return motion_grid(chain, axis, self.motion, self.torque, quantity, **more)
 
-    def _half_way(self, values: FloatArray) -> FloatArray:
+    def _half_way(self, values: Array) -> Array:
         count = len(values)
         spectrum = np.fft.rfft(values, axis=0)
         finer = np.fft.irfft(spectrum, FINER * count, axis=0) * FINER
         # One more sample on each side, so that the extremes have neighbors.
         return half_peak_to_peak(np.vstack((finer[-1:], finer, finer[:1])))
 
-    def _phasors(self, orders: ArrayLike, values: FloatArray) -> ComplexArray:
-        wanted = np.atleast_1d(finite_array("orders", orders))
-        cycles = wanted * self.turns
-        whole = np.round(cycles)
-        count = self.shaft_angle_deg.size
-        if np.any((np.abs(cycles - whole) > 1e-9 * whole) | (whole < 1) | (2.0 * whole >= count)):
-            raise InputError(
-                f"orders: given {wanted.tolist()}; allowed are multiples of {1.0 / self.turns:g} above zero "
-                f"and below {0.5 * count / self.turns:g}, because the cycle has {self.turns} turns and "
-                f"{count} samples."
-            )
-        waves = np.exp(-1j * np.outer(wanted, np.radians(self.shaft_angle_deg)))
-        return np.asarray(waves @ values * (2.0 / count))
-
 
 class ShaftRun:
     """A run: time, speed, angle, motions (m, n) and torques (m, e), and its plots."""
 
-    time: FloatArray
-    shaft_speed: FloatArray
-    shaft_angle_deg: FloatArray
-    motion: FloatArray
-    torque: FloatArray
+    time: Array
+    shaft_speed: Array
+    shaft_angle_deg: Array
+    motion: Array
+    torque: Array
     system: ViscousSystem
 
     def envelope(self, turns: int | None = None) -> Envelope:
         """Return the amplitudes in windows of whole revolutions; by default as the run repeats."""
         return self._envelope(self.motion, turns)
 
-    def _envelope(self, motion: FloatArray, turns: int | None) -> Envelope:
+    def _envelope(self, motion: Array, turns: int | None) -> Envelope:
         return envelope_over(
             self.time,
             self.shaft_speed,
@@ -452,8 +443,7 @@ UNBOUNDED_WITHIN = 1e-9
 NO_DRIVE = 1e-9
 
 
-@summarized("speed [rad/s]", "turns", "amplitude", "torque_amplitude", "unbounded", "note")
-@dataclass(frozen=True, eq=False)
+@frozen("speed [rad/s]", "turns", "amplitude", "torque_amplitude", "unbounded", "note", eq=False)
 class SteadyMotion(CycleMotion):
     """Vibration that repeats every cycle at a constant speed.
 
@@ -483,16 +473,16 @@ class SteadyMotion(CycleMotion):
 
     speed: float
     turns: int
-    shaft_angle_deg: FloatArray
-    motion: FloatArray
-    torque: FloatArray
+    shaft_angle_deg: Array
+    motion: Array
+    torque: Array
     unbounded: bool
     step: float
     system: ViscousSystem
     note: str
 
     @property
-    def time(self) -> FloatArray:
+    def time(self) -> Array:
         """Time from shaft angle zero [s], shape (m,)."""
         return np.radians(self.shaft_angle_deg) / self.speed
 
@@ -513,7 +503,7 @@ class SteadyMotion(CycleMotion):
     def _chain_and_speed(self) -> tuple[Chain | None, float]:
         return self.system.chain, self.speed
 
-    def _half_way(self, values: FloatArray) -> FloatArray:
+    def _half_way(self, values: Array) -> Array:
         if self.unbounded:
             return np.full(values.shape[1], np.inf)
         return super()._half_way(values)
@@ -564,7 +554,7 @@ def steady_from(
     speed: float,
     start_angle: float,
     steps: int | None = None,
-) -> tuple[SteadyMotion, FloatArray]:
+) -> tuple[SteadyMotion, Array]:
     """Return the steady motion over a cycle from a shaft angle, and the state at its start."""
     space = StateSpace.of(system.system)
     forces = OrderForces.of(excitation, space.inputs)
@@ -606,7 +596,7 @@ def steady_from(
     return steady, states[0]
 
 
-def spring_torques(chain: Chain | None, motion: FloatArray) -> FloatArray:
+def spring_torques(chain: Chain | None, motion: Array) -> Array:
     """Return the torque (force) of the spring of each element, (m, e); e is 0 without a chain."""
     if chain is None:
         return np.zeros((len(motion), 0))
@@ -616,10 +606,10 @@ def spring_torques(chain: Chain | None, motion: FloatArray) -> FloatArray:
 def _pushed(
     chain: Chain | None,
     excitations: Sequence[tuple[float, OrderExcitation]],
-    times: FloatArray,
-    angles: FloatArray,
-    speeds: FloatArray,
-) -> FloatArray:
+    times: Array,
+    angles: Array,
+    speeds: Array,
+) -> Array:
     """Return the force with which each element pushes its ends apart, (m, e); it is no load of the element.
 
     Parameters
@@ -641,8 +631,8 @@ def _pushed(
 
 
 def _periodic_start(
-    space: StateSpace, propagator: Propagator, forces: FloatArray, period: float
-) -> tuple[FloatArray, bool]:
+    space: StateSpace, propagator: Propagator, forces: Array, period: float
+) -> tuple[Array, bool]:
     """Return the state that repeats after the cycle, and whether there is none."""
     size = len(space.matrix)
     free = size - space.rigid
@@ -676,8 +666,7 @@ MOST_NUMBERS = 2e8
 SAME_STEP = 1e-11
 
 
-@summarized("time [s]", "shaft_speed [rad/s]", "torque", "complete", "force_error", "notes")
-@dataclass(frozen=True, eq=False)
+@frozen("time [s]", "shaft_speed [rad/s]", "torque", "complete", "force_error", "notes", eq=False)
 class TransientMotion(ShaftRun):
     """Motion of a chain or system over time.
 
@@ -703,16 +692,16 @@ class TransientMotion(ShaftRun):
         Orders of all excitations.
     """
 
-    time: FloatArray
-    shaft_speed: FloatArray
-    shaft_angle_deg: FloatArray
-    motion: FloatArray
-    rigid_motion: FloatArray
-    torque: FloatArray
+    time: Array
+    shaft_speed: Array
+    shaft_angle_deg: Array
+    motion: Array
+    rigid_motion: Array
+    torque: Array
     complete: bool
     step: float
     force_error: float
-    orders: FloatArray
+    orders: Array
     system: ViscousSystem
     notes: tuple[str, ...]
 
@@ -872,9 +861,9 @@ def _integrate_segments(
     space: StateSpace,
     acting: AppliedForces,
     pieces: Sequence[TimeSegment],
-    start: FloatArray,
+    start: Array,
     progress: Callable[[float], None] | None,
-) -> tuple[FloatArray, FloatArray, float, bool]:
+) -> tuple[Array, Array, float, bool]:
     """Return times (m,), states (m, 2 q), the error of the forces, and whether the run is complete."""
     count = 1 + sum(piece.steps for piece in pieces)
     times, states = np.empty(count), np.empty((count, start.size))
@@ -889,7 +878,7 @@ def _integrate_segments(
                 propagator = Propagator.of(space, step)
             for first in range(0, piece.steps, STRETCH):
                 numbers = np.arange(first, min(first + STRETCH, piece.steps))
-                starts: FloatArray = np.asarray(piece.start + step * numbers)
+                starts: Array = np.asarray(piece.start + step * numbers)
                 forces = acting.at(starts, step, PLACES)
                 places = slice(done, done + starts.size)
                 states[places] = propagator.propagate(states[done - 1], forces)

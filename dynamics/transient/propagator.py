@@ -8,11 +8,12 @@ from math import factorial
 from typing import Literal, TypedDict, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import expm
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
+    Integers,
     finite_array,
     finite_vector,
     nonnegative_number,
@@ -26,7 +27,7 @@ from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.indices import node_index
 from dynamics.plots.curves import SPEED_LABEL, draw_over_time
@@ -62,11 +63,11 @@ class StateSpace:
         Number of rigid motions; their displacements are last in z.
     """
 
-    matrix: FloatArray
-    velocities: FloatArray
-    displacements: FloatArray
-    scales: FloatArray
-    inputs: FloatArray
+    matrix: Array
+    velocities: Array
+    displacements: Array
+    scales: Array
+    inputs: Array
     rigid: int
 
     @classmethod
@@ -89,7 +90,7 @@ class StateSpace:
         matrix[velocities[rigid:], displacements[rigid:]] = -scales[rigid:]
         return cls(matrix, velocities, displacements, scales, system.expand @ system.shapes, rigid)
 
-    def motion(self, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def motion(self, states: Array) -> tuple[Array, Array]:
         """Return the motion of the nodes (m, n), and of rigid motions (m, rigid), of states (m, 2q)."""
         modal = states[:, self.displacements] / self.scales
         return modal @ self.inputs.T, modal[:, : self.rigid]
@@ -110,8 +111,8 @@ class Propagator:
     """
 
     step: float
-    transition: FloatArray
-    weights: FloatArray
+    transition: Array
+    weights: Array
 
     @classmethod
     def of(cls, space: StateSpace, step: float) -> "Propagator":
@@ -141,7 +142,7 @@ class Propagator:
             weights += basis[:, power, np.newaxis, np.newaxis] * answer
         return cls(step, exponential[:size, :size], weights.reshape(POINTS * count, size))
 
-    def propagate(self, start: FloatArray, forces: FloatArray) -> FloatArray:
+    def propagate(self, start: Array, forces: Array) -> Array:
         """Return the states after each of m steps, (m, 2 q).
 
         Parameters
@@ -170,8 +171,7 @@ class ViscousDamping(TypedDict, total=False):
     modal_damping: ArrayLike | None
 
 
-@summarized("system.natural", "note")
-@dataclass(frozen=True, eq=False)
+@frozen("system.natural", "note", eq=False)
 class ViscousSystem:
     """A linear system that can be integrated over time.
 
@@ -270,8 +270,7 @@ def viscous_system(
 ROUND_OFF = 1e-14
 
 
-@summarized("times [s]", "speeds [rad/s]", "duration [s]")
-@dataclass(frozen=True, eq=False)
+@frozen("times [s]", "speeds [rad/s]", "duration [s]", eq=False)
 class SpeedCurve:
     """The speed over time, linear between the values given; the angle is its integral.
 
@@ -296,8 +295,8 @@ class SpeedCurve:
     (5.0, 28648.0)
     """
 
-    times: FloatArray
-    speeds: FloatArray
+    times: Array
+    speeds: Array
     _: KW_ONLY
     start_angle_deg: float = 0.0
 
@@ -397,7 +396,7 @@ class SpeedCurve:
         """From first to last time [s]."""
         return float(self.times[-1] - self.times[0])
 
-    def speed(self, time: ArrayLike) -> FloatArray:
+    def speed(self, time: ArrayLike) -> Array:
         """Return the speed at times [s] within the curve [rad/s].
 
         Raises
@@ -407,7 +406,7 @@ class SpeedCurve:
         """
         return np.asarray(np.interp(self._checked(time), self.times, self.speeds))
 
-    def angle_deg(self, time: ArrayLike) -> FloatArray:
+    def angle_deg(self, time: ArrayLike) -> Array:
         """Return the shaft angle at times [s] within the curve [deg].
 
         Raises
@@ -423,7 +422,7 @@ class SpeedCurve:
             self._angles[piece] + since * (self.speeds[piece] + 0.5 * rates[piece] * since)
         )
 
-    def time_at(self, *, angle_deg: ArrayLike) -> FloatArray:
+    def time_at(self, *, angle_deg: ArrayLike) -> Array:
         """Return the times at which the shaft passes angles [deg], such as firing angles.
 
         Raises
@@ -448,14 +447,14 @@ class SpeedCurve:
         return np.asarray(self.times[piece] + 2.0 * past / (start + root))
 
     @property
-    def _angles(self) -> FloatArray:
+    def _angles(self) -> Array:
         """Shaft angle at the times given [rad], (m,)."""
         means = 0.5 * (self.speeds[1:] + self.speeds[:-1])
         return math.radians(self.start_angle_deg) + np.concatenate(
             ([0.0], np.cumsum(means * np.diff(self.times)))
         )
 
-    def _checked(self, time: ArrayLike) -> FloatArray:
+    def _checked(self, time: ArrayLike) -> Array:
         times = finite_array("time", time)
         room = 1e-12 * self.duration
         if np.any((times < self.times[0] - room) | (times > self.times[-1] + room)):
@@ -497,12 +496,12 @@ class OrderForces:
         The same for the cosine, then for the sine of each order.
     """
 
-    orders: FloatArray
+    orders: Array
     over_speed: OverSpeed
-    coefficients: FloatArray
+    coefficients: Array
 
     @classmethod
-    def of(cls, excitation: OrderExcitation, inputs: FloatArray) -> "OrderForces":
+    def of(cls, excitation: OrderExcitation, inputs: Array) -> "OrderForces":
         """Return the forces on modes, inputs (n, q) taking forces on nodes to those on modes.
 
         Between the speeds of the excitation they are interpolated as by `at_speeds`.
@@ -528,7 +527,7 @@ class OrderForces:
                 "known there."
             )
 
-    def at(self, angles: FloatArray, speeds: FloatArray) -> FloatArray:
+    def at(self, angles: Array, speeds: Array) -> Array:
         """Return the forces (m, q) at shaft angles [rad] and speeds [rad/s], both (m,)."""
         turning = np.outer(angles, self.orders)
         waves = np.concatenate((np.cos(turning), np.sin(turning)), axis=1)
@@ -547,7 +546,7 @@ class OrderForces:
         return forces
 
 
-def checked_step(step: float, orders: FloatArray, highest_speed: float) -> float:
+def checked_step(step: float, orders: Array, highest_speed: float) -> float:
     """Return a step [s] that resolves the orders."""
     fastest = float(orders[-1]) * highest_speed
     if step * fastest > WIDEST_REACH * (1.0 + 1e-9):
@@ -558,7 +557,7 @@ def checked_step(step: float, orders: FloatArray, highest_speed: float) -> float
     return step
 
 
-def cycle_turns(orders: FloatArray) -> int:
+def cycle_turns(orders: Array) -> int:
     """Return the least number of revolutions after which all orders repeat."""
     for turns in range(1, MOST_TURNS + 1):
         cycles = orders * turns
@@ -570,7 +569,7 @@ def cycle_turns(orders: FloatArray) -> int:
     )
 
 
-def sampling_note(natural: FloatArray, step: float) -> str:
+def sampling_note(natural: Array, step: float) -> str:
     """State which modes the samples at each step are too few to show, or nothing."""
     unseen = int(np.count_nonzero(natural * step > np.pi))
     if not unseen:
@@ -582,7 +581,7 @@ def sampling_note(natural: FloatArray, step: float) -> str:
     )
 
 
-def midpoint_residual(forces: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+def midpoint_residual(forces: Array) -> tuple[Array, Integers]:
     """Return the errors of the polynomials of some steps at their midpoints, (k, q), and those steps.
 
     Parameters
@@ -633,7 +632,7 @@ class LoadStep:
         finite_array("load_step.load", self.load)
         nonnegative_number("load_step.rise", self.rise, "s", "time runs forward")
 
-    def share(self, times: FloatArray) -> FloatArray:
+    def share(self, times: Array) -> Array:
         """Return which share of the load acts at times [s]."""
         if self.rise == 0.0:
             return np.where(times >= self.time, 1.0, 0.0)
@@ -665,7 +664,7 @@ class AppliedForces:
     curve: SpeedCurve
     excitations: tuple[tuple[float, OrderForces], ...]
     loads: tuple[LoadStep, ...]
-    inputs: FloatArray
+    inputs: Array
 
     @classmethod
     def of(
@@ -674,7 +673,7 @@ class AppliedForces:
         excitation: OrderExcitation,
         changes: Sequence[tuple[float, OrderExcitation]],
         loads: Sequence[LoadStep],
-        inputs: FloatArray,
+        inputs: Array,
     ) -> "AppliedForces":
         """Return the forces; arguments as for `transient_motion`."""
         for place, load in enumerate(loads):
@@ -702,11 +701,11 @@ class AppliedForces:
         return cls(curve, tuple(in_turn), tuple(loads), inputs)
 
     @property
-    def orders(self) -> FloatArray:
+    def orders(self) -> Array:
         """All orders that act at some time, ascending."""
         return np.unique(np.concatenate([excitation.orders for _, excitation in self.excitations]))
 
-    def at(self, starts: FloatArray, step: float, places: FloatArray) -> FloatArray:
+    def at(self, starts: Array, step: float, places: Array) -> Array:
         """Return the forces (m, places, q) at points of steps without a change inside."""
         times = (starts[:, np.newaxis] + step * places).reshape(-1)
         middle = float(starts[0]) + 0.5 * step

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     check_shape,
     finite_array,
     positive_number,
@@ -21,7 +21,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.frames import Dataset
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain, cylinder_inertia
 from dynamics.cycle import even_angles
@@ -64,13 +64,13 @@ class ThrowCurves:
         Its harmonics.
     """
 
-    orders: FloatArray
-    inertia_mean: FloatArray
+    orders: Array
+    inertia_mean: Array
     inertia: ComplexArray
-    torque_mean: FloatArray
+    torque_mean: Array
     torque: ComplexArray
 
-    def at(self, angles: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def at(self, angles: Array) -> tuple[Array, Array, Array]:
         """Return inertia, its derivative by the angle, and torque at angles (c, t), each of that shape."""
         table = self._table
         # Waves of all orders by repeated multiplication: it costs a tenth of exponentials.
@@ -116,7 +116,7 @@ def throw_inertia_curves(
     """
     models = rod_models(engine, model)
 
-    def sampled(angles: FloatArray) -> FloatArray:
+    def sampled(angles: Array) -> Array:
         inertia = np.zeros((max(throws) + 1, angles.size))
         for place, (throw, rod) in enumerate(zip(throws, models, strict=True)):
             inertia[throw] += cylinder_inertia(engine, place + 1, rod, angles)
@@ -150,7 +150,7 @@ def throw_curves(
     )
 
 
-def _placed(values: ComplexArray, orders: FloatArray, among: FloatArray) -> ComplexArray:
+def _placed(values: ComplexArray, orders: Array, among: Array) -> ComplexArray:
     placed = np.zeros((len(values), among.size), dtype=np.complex128)
     placed[:, np.searchsorted(among, orders)] = values
     return placed
@@ -165,8 +165,7 @@ LEAST_SIZE = 1e-8
 _GIVEN_ON = np.errstate(invalid="ignore", over="ignore")
 
 
-@summarized("throws", "even", "load")
-@dataclass(frozen=True, eq=False)
+@frozen("throws", "even", "load", eq=False)
 class TurningChain:
     """Matrices and curves of M(theta) theta'' + ... = torques, on the q unknowns of a chain.
 
@@ -190,12 +189,12 @@ class TurningChain:
 
     system: ViscousSystem
     curves: ThrowCurves
-    throws: FloatArray
-    constant_mass: FloatArray
-    relative_damping: FloatArray
-    ground_damping: FloatArray
-    even: FloatArray
-    load: FloatArray
+    throws: Array
+    constant_mass: Array
+    relative_damping: Array
+    ground_damping: Array
+    even: Array
+    load: Array
 
     @cached_property
     def separate(self) -> bool:
@@ -204,23 +203,23 @@ class TurningChain:
         return diagonal and bool(np.all((self.throws == 0.0) | (self.throws == 1.0)))
 
     @cached_property
-    def momentum(self) -> FloatArray:
+    def momentum(self) -> Array:
         """Share of each unknown's speed in the mean speed, (q,)."""
         momentum = self.mean_mass @ self.even
         return np.asarray(momentum / (self.even @ momentum))
 
     @property
-    def stiffness(self) -> FloatArray:
+    def stiffness(self) -> Array:
         """K (q, q) [N m/rad]."""
         return self.system.system.stiffness
 
     @property
-    def mean_mass(self) -> FloatArray:
+    def mean_mass(self) -> Array:
         """The inertia with rods and pistons at their means (q, q) [kg m^2]."""
         return self.system.system.mass
 
     @property
-    def expand(self) -> FloatArray:
+    def expand(self) -> Array:
         """Motion of the nodes per unknown, (n, q)."""
         return self.system.system.expand
 
@@ -228,7 +227,7 @@ class TurningChain:
         """Return the same chain with the inertia of rods and pistons at its mean."""
         return replace(self, curves=self.curves.with_constant_inertia())
 
-    def mean_speed(self, speeds: FloatArray) -> FloatArray:
+    def mean_speed(self, speeds: Array) -> Array:
         """Return the shaft speed of even turning with the same angular momentum, (...) of (..., q).
 
         Raises
@@ -246,8 +245,8 @@ class TurningChain:
 
     @_GIVEN_ON
     def torques(
-        self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray, reference: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        self, twist: Array, speeds: Array, even_turning: Array, reference: Array
+    ) -> tuple[Array, Array, Array, Array]:
         """Return the torques of springs, dampers and gas on the unknowns, and the inertia terms.
 
         Parameters
@@ -285,7 +284,7 @@ class TurningChain:
         return springs, dampers, torque @ self.throws, np.stack((inertia, changing), axis=-1)
 
     @_GIVEN_ON
-    def accelerations(self, torques: FloatArray, inertia: FloatArray) -> FloatArray:
+    def accelerations(self, torques: Array, inertia: Array) -> Array:
         """Return the accelerations (c, q) under torques (c, q); inertia as from `torques`.
 
         Raises
@@ -307,9 +306,7 @@ class TurningChain:
         return np.asarray(np.linalg.solve(mass, moments[..., np.newaxis])[..., 0])
 
     @_GIVEN_ON
-    def energies(
-        self, twist: FloatArray, speeds: FloatArray, even_turning: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def energies(self, twist: Array, speeds: Array, even_turning: Array) -> tuple[Array, Array]:
         """Return kinetic and strain energy (c,) [J]; arguments and errors as for `torques`."""
         self._check_shapes(twist, speeds, even_turning)
         inertia, _, _ = self.curves.at(
@@ -319,7 +316,7 @@ class TurningChain:
         kinetic += np.sum(inertia * (speeds @ self.throws.T) ** 2, axis=1)
         return 0.5 * kinetic, 0.5 * np.sum(twist @ self.stiffness * twist, axis=1)
 
-    def _check_shapes(self, twist: FloatArray, speeds: FloatArray, even: FloatArray) -> None:
+    def _check_shapes(self, twist: Array, speeds: Array, even: Array) -> None:
         count = np.size(even)
         check_shape("even_turning", even, (count,))
         for name, values in (("twist", twist), ("speeds", speeds)):
@@ -486,7 +483,7 @@ class TurningState:
     chain: TurningChain
     frame: float
     holds: bool
-    load: Callable[[FloatArray, float], FloatArray]
+    load: Callable[[Array, float], Array]
     typical_speed: float
 
     @property
@@ -495,7 +492,7 @@ class TurningState:
         return 2 * self.chain.even.size + WORKS + 1
 
     @cached_property
-    def sizes(self) -> FloatArray:
+    def sizes(self) -> Array:
         """Scale of each column, (2 q + 4,)."""
         chain = self.chain
         rigid = chain.system.system.rigid.shape[1]
@@ -512,7 +509,7 @@ class TurningState:
             )
         )
 
-    def slope(self, time: float, states: FloatArray) -> FloatArray:
+    def slope(self, time: float, states: Array) -> Array:
         """Return the derivative by time of states (c, 2 q + 4)."""
         chain, count = self.chain, self.chain.even.size
         twist, vibration = states[:, :count], states[:, count : 2 * count]
@@ -532,7 +529,7 @@ class TurningState:
 
     def integrate(
         self,
-        states: FloatArray,
+        states: Array,
         span: tuple[float, float],
         method: IntegrationMethod,
         evaluated: Callable[[float], None],
@@ -548,7 +545,7 @@ class TurningState:
         # Left to itself, the integrator tries a first step that is far too long for even turning.
         first = FIRST_STEP / float(self.chain.system.system.natural[-1])
 
-        def flat(time: float, values: FloatArray) -> FloatArray:
+        def flat(time: float, values: Array) -> Array:
             evaluated(time)
             return self.slope(time, values.reshape(shape)).reshape(-1)
 
@@ -579,10 +576,16 @@ DIFFERENCE = 1e-3
 NO_CHANGE = 1e-9
 
 
-@summarized(
-    "mean_speed [rad/s]", "turns", "load [N m]", "torque", "energy_error", "closing_error", "note"
+@frozen(
+    "mean_speed [rad/s]",
+    "turns",
+    "load [N m]",
+    "torque",
+    "energy_error",
+    "closing_error",
+    "note",
+    eq=False,
 )
-@dataclass(frozen=True, eq=False)
 class TurningCycle(CycleMotion):
     """One cycle of steady running.
 
@@ -617,10 +620,10 @@ class TurningCycle(CycleMotion):
     mean_speed: float
     turns: int
     load: float
-    shaft_angle_deg: FloatArray
-    motion: FloatArray
-    speed: FloatArray
-    torque: FloatArray
+    shaft_angle_deg: Array
+    motion: Array
+    speed: Array
+    torque: Array
     gas_work: float
     load_work: float
     damping_work: float
@@ -741,11 +744,11 @@ class _Shooting:
         """Twists and their speeds."""
         return 2 * self.chain.even.size
 
-    def state(self, loads: FloatArray) -> TurningState:
+    def state(self, loads: Array) -> TurningState:
         """Return the equations under constant loads (c,) [N m]."""
         return TurningState(self.chain, self.speed, True, lambda _speeds, _time: loads, self.speed)
 
-    def starts(self, unknowns: FloatArray) -> tuple[TurningState, FloatArray]:
+    def starts(self, unknowns: Array) -> tuple[TurningState, Array]:
         """Return equations and states (c, ...) at the start for unknowns (c, 2 q + 1)."""
         loads = unknowns[:, -1] * self.chain.torque_size(self.speed)
         state = self.state(loads)
@@ -753,7 +756,7 @@ class _Shooting:
         states[:, : self.count] = unknowns[:, :-1] * state.sizes[: self.count]
         return state, states
 
-    def residual(self, unknowns: FloatArray) -> FloatArray:
+    def residual(self, unknowns: Array) -> Array:
         """Return the residual (c, 2 q + 1) of unknowns (c, 2 q + 1)."""
         state, states = self.starts(unknowns)
         solution = self.integrate(state, states, [self.period])
@@ -763,7 +766,7 @@ class _Shooting:
         missed[:, -1] /= state.sizes[0] * self.period
         return np.asarray(missed)
 
-    def integrate(self, state: TurningState, states: FloatArray, times: ArrayLike) -> Any:
+    def integrate(self, state: TurningState, states: Array, times: ArrayLike) -> Any:
         """Integrate over the cycle; refuse one that the integration did not get through."""
         solution = state.integrate(
             states, (0.0, self.period), self.method, self.evaluated, t_eval=times
@@ -772,7 +775,7 @@ class _Shooting:
             raise InputError(self.unsteady())
         return solution
 
-    def solved(self) -> tuple[FloatArray, float]:
+    def solved(self) -> tuple[Array, float]:
         """Return the unknowns (2 q + 1,) of the periodic cycle, and their residual."""
         size = self.count + 1
         unknowns = np.zeros(size)
@@ -812,8 +815,7 @@ ENERGIES = ("kinetic_energy", "strain_energy", "gas_work", "load_work", "damping
 Load = Callable[[float, float], float]
 
 
-@summarized("time [s]", "speed [rad/s]", "turns", "complete", "energy_error", "notes")
-@dataclass(frozen=True, eq=False)
+@frozen("time [s]", "speed [rad/s]", "turns", "complete", "energy_error", "notes", eq=False)
 class TurningRun(ShaftRun):
     """Free rotation of a shaft over time.
 
@@ -841,17 +843,17 @@ class TurningRun(ShaftRun):
         The chain of constant inertia.
     """
 
-    time: FloatArray
-    shaft_angle_deg: FloatArray
-    shaft_speed: FloatArray
-    motion: FloatArray
-    speed: FloatArray
-    torque: FloatArray
-    kinetic_energy: FloatArray
-    strain_energy: FloatArray
-    gas_work: FloatArray
-    load_work: FloatArray
-    damping_work: FloatArray
+    time: Array
+    shaft_angle_deg: Array
+    shaft_speed: Array
+    motion: Array
+    speed: Array
+    torque: Array
+    kinetic_energy: Array
+    strain_energy: Array
+    gas_work: Array
+    load_work: Array
+    damping_work: Array
     turns: int
     complete: bool
     system: ViscousSystem
@@ -966,10 +968,10 @@ def _turn(
     state: TurningState,
     time: float,
     last: float,
-    now: FloatArray,
+    now: Array,
     method: IntegrationMethod,
     samples: int,
-) -> tuple[float, FloatArray, FloatArray, bool]:
+) -> tuple[float, Array, Array, bool]:
     """Integrate about one revolution; return its end, times (m,), states (m, ...), whether it stops."""
     chain, count = state.chain, state.chain.even.size
     speed = float(now[count : 2 * count] @ chain.momentum)
@@ -979,7 +981,7 @@ def _turn(
     if last - until < 1e-9 * span:
         until = last
 
-    def stops(_time: float, values: FloatArray) -> float:
+    def stops(_time: float, values: Array) -> float:
         return float(values[count : 2 * count] @ chain.momentum) - STOPPED * speed
 
     stops.terminal = True  # type: ignore[attr-defined]  # scipy reads this of the function itself
@@ -1010,8 +1012,8 @@ def _not_followed(end: float, reached: float, why: str) -> InputError:
 
 def _assembled(
     in_turn: tuple[tuple[float, TurningChain], ...],
-    times: FloatArray,
-    states: FloatArray,
+    times: Array,
+    states: Array,
     turns: int,
     complete: bool,
     note: str,
@@ -1044,13 +1046,13 @@ def _assembled(
     )
 
 
-def _checked_load(load: Load | float) -> Callable[[FloatArray, float], FloatArray]:
+def _checked_load(load: Load | float) -> Callable[[Array, float], Array]:
     if not callable(load):
         constant = float(finite_array("load", load))
         return lambda speeds, _time: np.full(speeds.shape, constant)
     moment: Load = load
 
-    def braking(speeds: FloatArray, time: float) -> FloatArray:
+    def braking(speeds: Array, time: float) -> Array:
         moments = np.array([moment(speed, time) for speed in speeds.tolist()], dtype=np.float64)
         if not np.all(np.isfinite(moments)):
             raise InputError(

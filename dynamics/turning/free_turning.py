@@ -4,15 +4,15 @@ import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
     LARGEST,
+    Array,
     ComplexArray,
-    FloatArray,
     finite_array,
     finite_vector,
     nonnegative_number,
@@ -23,7 +23,7 @@ from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.quantity import RPM
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import cycle_radians, even_angles
 from dynamics.engine import RodModelName
 from dynamics.engine.forces import (
@@ -66,10 +66,10 @@ class TurnCurves:
         a_k of Re sum a_k exp(i k phi), k from 1.
     """
 
-    mean: FloatArray
+    mean: Array
     coefficients: ComplexArray
 
-    def at(self, angle: float) -> tuple[FloatArray, FloatArray]:
+    def at(self, angle: float) -> tuple[Array, Array]:
         """Return values and derivatives by the angle [rad] of all curves, each of shape (c,)."""
         numbers = np.arange(1, self.coefficients.shape[1] + 1)
         terms = np.exp(1j * angle * numbers)
@@ -77,7 +77,7 @@ class TurnCurves:
         return values, -(self.coefficients @ (numbers * terms)).imag
 
 
-def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
+def turn_curves(function: Callable[[Array], Array]) -> TurnCurves:
     """Return the series of curves over a revolution.
 
     Parameters
@@ -108,7 +108,7 @@ def engine_curves(engine: EngineLayout, models: tuple[RodModel, ...]) -> TurnCur
         times heights [kg m], which determines the work of gravity.
     """
 
-    def samples(angles: FloatArray) -> FloatArray:
+    def samples(angles: Array) -> Array:
         places = []
         height = np.zeros(angles.shape)
         pairs = zip(engine.cylinders, models, strict=True)
@@ -144,7 +144,7 @@ class PistonGas:
         [N].
     """
 
-    forces: Callable[[float, FloatArray, FloatArray], FloatArray]
+    forces: Callable[[float, Array, Array], Array]
     turns_at_ends: bool
 
 
@@ -158,7 +158,7 @@ def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> Pis
         count = len(engine.cylinders)
         lowest, highest = np.array([piston_ends(engine, number + 1) for number in range(count)]).T
 
-        def by_places(angle: float, places: FloatArray, directions: FloatArray) -> FloatArray:
+        def by_places(angle: float, places: Array, directions: Array) -> Array:
             positions = np.clip((places - lowest) / (highest - lowest), 0.0, 1.0).tolist()
             since_firing = ((angle - firing) % cycle).tolist()
             return np.array(
@@ -177,7 +177,7 @@ def piston_gas(engine: EngineLayout, gas: Gas, crankcase_pressure: float) -> Pis
     for place, diagram in enumerate(pressure_of_each("pressure", gas, engine)):
         groups.setdefault(id(diagram), (diagram, []))[1].append(place)
 
-    def by_pressures(angle: float, _places: FloatArray, _directions: FloatArray) -> FloatArray:
+    def by_pressures(angle: float, _places: Array, _directions: Array) -> Array:
         absolute = np.empty(areas.size)
         for pressure, members in groups.values():
             absolute[members] = pressure.at(angle_deg=np.degrees(angle - firing[members]))
@@ -216,7 +216,7 @@ class ShaftMoments:
     gravity: float
 
     def at(
-        self, angle: float, speed: float, directions: FloatArray | None = None
+        self, angle: float, speed: float, directions: Array | None = None
     ) -> tuple[tuple[float, ...], float, float]:
         """Return the moments of gas, load, friction and gravity; inertia and its derivative.
 
@@ -246,14 +246,14 @@ class ShaftMoments:
         """Return the reduced inertia [kg m^2]."""
         return self._checked_inertia(self.curves.at(angle)[0], angle)
 
-    def _checked_inertia(self, values: FloatArray, angle: float) -> float:
+    def _checked_inertia(self, values: Array, angle: float) -> float:
         return checked_inertia(values[-2], angle, LEAST_INERTIA * float(self.curves.mean[-2]))
 
-    def directions(self, angle: float) -> FloatArray:
+    def directions(self, angle: float) -> Array:
         """Return the pistons' directions (n,) at an angle, positive away from the shaft."""
         return np.sign(self.curves.at(angle)[1][:-2])
 
-    def stroke_ends(self) -> FloatArray:
+    def stroke_ends(self) -> Array:
         """Return the shaft angles of one revolution at which a piston changes its direction (k,)."""
         from scipy.optimize import brentq
 
@@ -272,14 +272,24 @@ class ShaftMoments:
         return float(self.curves.at(angle)[1][cylinder])
 
 
+class Acting(TypedDict, total=False):
+    """What acts on an engine's shaft besides its load; see `turn_freely`."""
+
+    gas: Gas
+    friction: Resistance | float
+    gravity: float
+    model: RodModelName
+    crankcase_pressure: float
+
+
 def shaft_moments(
     engine: EngineLayout,
-    gas: Gas,
-    load: Resistance | float,
-    friction: Resistance | float,
-    gravity: float,
-    model: RodModelName,
-    crankcase_pressure: float,
+    gas: Gas = None,
+    load: Resistance | float = 0.0,
+    friction: Resistance | float = 0.0,
+    gravity: float = 0.0,
+    model: RodModelName = "rigid",
+    crankcase_pressure: float = ATMOSPHERE,
 ) -> ShaftMoments:
     """Collect the moments on an engine's shaft; arguments as for `turn_freely`."""
     return ShaftMoments(
@@ -323,12 +333,13 @@ class WorkShare:
         Since the start, positive for driving work [J].
     """
 
-    moment: FloatArray
-    work: FloatArray
+    moment: Array
+    work: Array
 
 
-@summarized("time [s]", "angle_deg [deg]", "speed [rad/s]", "energy_error", "stopped", "remark")
-@dataclass(frozen=True, eq=False)
+@frozen(
+    "time [s]", "angle_deg [deg]", "speed [rad/s]", "energy_error", "stopped", "remark", eq=False
+)
 class FreeTurning:
     """Free rotation of an engine over time.
 
@@ -346,11 +357,11 @@ class FreeTurning:
         Empty, or a sentence with the angle and time at which the engine stopped; the arrays end there.
     """
 
-    time: FloatArray
-    angle_deg: FloatArray
-    speed: FloatArray
-    acceleration: FloatArray
-    kinetic_energy: FloatArray
+    time: Array
+    angle_deg: Array
+    speed: Array
+    acceleration: Array
+    kinetic_energy: Array
     gas: WorkShare
     load: WorkShare
     friction: WorkShare
@@ -410,14 +421,10 @@ def turn_freely(
     start_angle_deg: float,
     start_speed: float,
     duration: float,
-    gas: Gas = None,
     load: Resistance | float = 0.0,
-    friction: Resistance | float = 0.0,
-    gravity: float = 0.0,
-    model: RodModelName = "rigid",
-    crankcase_pressure: float = ATMOSPHERE,
     times: ArrayLike | None = None,
     samples: int = 1001,
+    **acting: Unpack[Acting],
 ) -> FreeTurning:
     """Integrate the crank angle of an engine from a given start.
 
@@ -429,22 +436,26 @@ def turn_freely(
         Zero or above [rad/s].
     duration : float
         At most a day [s], 20,000 turns, and 500,000 evaluations of the moments.
+    load : float or callable, optional
+        Braking moment on the shaft [N m], or a callable (speed [rad/s], angle [rad]) -> moment.
+    times : array_like of shape (m,), optional
+        Output times [s], from zero or later to the duration, ascending.
+    samples : int, optional
+        Without `times`: number of evenly spaced times, both ends included.
     gas : GasPressure, sequence of n GasPressure, or callable, optional
         Pressures as for `gas_forces`, or a callable (number, position, direction, angle) ->
         force on that cylinder's piston towards the shaft [N]: number from 1, position from 0 at the
         piston's lowest position to 1 at its highest, direction 1 when it moves away from the shaft and
         -1 when it moves towards it, angle from the cylinder's firing top [rad], from zero to one
         cycle. It need not be continuous. None: no gas force.
-    load, friction : float or callable, optional
-        Braking moment on the shaft [N m], or a callable (speed [rad/s], angle [rad]) -> moment.
+    friction : float or callable, optional
+        As `load`.
     gravity : float, optional
         Acceleration of gravity along -y [m/s^2].
+    model : str, optional
+        Of the rods, one of `ROD_MODELS`.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa]; for pressures only.
-    times : array_like of shape (m,), optional
-        Output times [s], from zero or later to the duration, ascending.
-    samples : int, optional
-        Without `times`: number of evenly spaced times, both ends included.
 
     Returns
     -------
@@ -486,7 +497,7 @@ def turn_freely(
     # It may stop long before; but no friction stops it from there.
     if speed * end > 2.0 * math.pi * UNSTOPPED * MOST_TURNS:
         raise too_many_turns(end, speed * end / (2.0 * math.pi))
-    moments = shaft_moments(engine, gas, load, friction, gravity, model, crankcase_pressure)
+    moments = shaft_moments(engine, load=load, **acting)
     if times is None:
         count = whole_number("samples", samples, 2, "start and end are included")
         shown = np.linspace(0.0, end, count)
@@ -502,8 +513,8 @@ def turn_freely(
 
 
 def _integrated(
-    moments: ShaftMoments, start: tuple[float, float], end: float, shown: FloatArray
-) -> tuple[FloatArray, float | None]:
+    moments: ShaftMoments, start: tuple[float, float], end: float, shown: Array
+) -> tuple[Array, float | None]:
     """Return angle, speed and works at the output times (6, m), and when the engine stopped."""
     # If gas forces jump at the ends of strokes, each stroke is integrated separately with the
     # pistons' directions held: no step passes over a jump, and none is hidden from the error control.
@@ -562,16 +573,14 @@ class _Strokes:
     moments: ShaftMoments
     end: float
     last_angle: float
-    scales: FloatArray
+    scales: Array
     evaluated: Callable[[float], None]
 
-    def from_state(
-        self, time: float, state: FloatArray, limit: float, directions: FloatArray
-    ) -> Any:
+    def from_state(self, time: float, state: Array, limit: float, directions: Array) -> Any:
         """Integrate from a time until the end, or until an angle is reached."""
         from scipy.integrate import solve_ivp
 
-        def slope(now: float, state: FloatArray) -> list[float]:
+        def slope(now: float, state: Array) -> list[float]:
             self.evaluated(now)
             angle, speed = float(state[0]), float(state[1])
             if not angle <= self.last_angle:
@@ -580,10 +589,10 @@ class _Strokes:
             acceleration = (math.fsum(shares) - 0.5 * inertia_slope * speed**2) / inertia
             return [speed, acceleration, *(share * speed for share in shares)]
 
-        def stops(_: float, state: FloatArray) -> float:
+        def stops(_: float, state: Array) -> float:
             return float(state[1])
 
-        def reaches_end(_: float, state: FloatArray) -> float:
+        def reaches_end(_: float, state: Array) -> float:
             return float(state[0]) - limit if math.isfinite(limit) else -1.0
 
         events: list[Any] = [stops, reaches_end]
@@ -609,7 +618,7 @@ class _Strokes:
 
 
 def _assembled(
-    moments: ShaftMoments, shown: FloatArray, states: FloatArray, stop_time: float | None
+    moments: ShaftMoments, shown: Array, states: Array, stop_time: float | None
 ) -> FreeTurning:
     angle, speed, *works = states
     time, remark = shown, ""
@@ -642,12 +651,8 @@ def turn_steadily(
     engine: EngineLayout,
     mean_speed: float,
     *,
-    gas: Gas,
-    friction: Resistance | float = 0.0,
-    gravity: float = 0.0,
-    model: RodModelName = "rigid",
-    crankcase_pressure: float = ATMOSPHERE,
     samples: int = 720,
+    **acting: Unpack[Acting],
 ) -> SteadyTurning:
     """Find the constant load under which an engine turns steadily, and its speed over a cycle.
 
@@ -655,7 +660,7 @@ def turn_steadily(
     ----------
     mean_speed : float
         Angle of one cycle divided by its time [rad/s].
-    engine, gas, friction, gravity, model, crankcase_pressure
+    engine, **acting
         As for `turn_freely`.
 
     Returns
@@ -669,7 +674,7 @@ def turn_steadily(
     InputError
         As `turn_freely`, and if the engine would stop within the cycle.
     """
-    moments = shaft_moments(engine, gas, 0.0, friction, gravity, model, crankcase_pressure)
+    moments = shaft_moments(engine, **acting)
     return steady_turning(
         moments.inertia,
         lambda speed, angle: math.fsum(moments.at(angle, speed)[0]),

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray, finite_array, positive_number, read_only
+from crankbase.array_checks import Array, finite_array, positive_number, read_only
 from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, quoted
@@ -126,7 +126,7 @@ LEAST_ENERGY = 1e-6
 TRIED_ENERGY = 1e-12
 
 
-def mean_speed(energy: FloatArray, inertia: FloatArray) -> float:
+def mean_speed(energy: Array, inertia: Array) -> float:
     """Return the mean over time of the speed [rad/s].
 
     Parameters
@@ -137,7 +137,7 @@ def mean_speed(energy: FloatArray, inertia: FloatArray) -> float:
     return 1.0 / float(np.mean(np.sqrt(0.5 * inertia / energy)))
 
 
-def slowest_mean_speed(gained: FloatArray, inertia: FloatArray) -> float:
+def slowest_mean_speed(gained: Array, inertia: Array) -> float:
     """Return the least mean speed at which a shaft completes a revolution [rad/s].
 
     Parameters
@@ -150,7 +150,7 @@ def slowest_mean_speed(gained: FloatArray, inertia: FloatArray) -> float:
     return mean_speed(gained - gained.min() + LEAST_ENERGY * swing, inertia)
 
 
-def energy_for_mean_speed(gained: FloatArray, inertia: FloatArray, speed: float) -> float | None:
+def energy_for_mean_speed(gained: Array, inertia: Array, speed: float) -> float | None:
     """Return the kinetic energy at the first angle of a shaft with a given mean speed.
 
     Parameters
@@ -229,10 +229,10 @@ class SpeedOverAngle(Result):
         Angle at which the shaft stopped [deg]; the arrays then end before it.
     """
 
-    angle_deg: Internal[FloatArray]
-    speed: Internal[FloatArray]
-    time: Internal[FloatArray]
-    energy: Internal[FloatArray]
+    angle_deg: Internal[Array]
+    speed: Internal[Array]
+    time: Internal[Array]
+    energy: Internal[Array]
     stopped_at_deg: Internal[float | None] = None
 
     @property
@@ -379,7 +379,7 @@ class _StoppedError(Exception):
 
 
 def _integrate_speed(
-    inertia: Inertia, moment: Moment, angles: FloatArray, start_speed: float
+    inertia: Inertia, moment: Moment, angles: Array, start_speed: float
 ) -> tuple[list[tuple[float, float, float]], float | None]:
     """Return speed, time and energy at the angles, and where the shaft stopped."""
     first = float(angles[0])
@@ -538,7 +538,7 @@ def steady_turning(
     # unknowns count from one, as the search ends by the share to which it knows them.
     scale = 0.5 * first_inertia * wanted**2
 
-    def turned(unknowns: FloatArray, samples: int = SEARCH_SAMPLES) -> SteadyTurning | None:
+    def turned(unknowns: Array, samples: int = SEARCH_SAMPLES) -> SteadyTurning | None:
         load = guess + scale / period * (float(unknowns[0]) - 1.0)
         energy = start_energy + scale * (float(unknowns[1]) - 1.0)
         if energy <= 0.0:
@@ -553,7 +553,7 @@ def steady_turning(
         )
         return SteadyTurning(load, trial) if trial.stopped_at_deg is None else None
 
-    def residual(unknowns: FloatArray) -> list[float]:
+    def residual(unknowns: Array) -> list[float]:
         try:
             trial = turned(unknowns)
         except UnsettledError:  # close to rest: a trial like those that stop

@@ -8,19 +8,16 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array, Flags
 from crankbase.diagrams import BLUE
+from crankbase.frames import Axes
 from geometry.parts import Arc, Cylinder, Sector, WebPlate
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-Array = NDArray[np.float64]
 Point = tuple[float, float]
 Coordinates = float | Sequence[float] | Array
 
@@ -99,7 +96,7 @@ def distances_to_ends(web: WebPlate) -> Point:
     return (-web.outline.foot, web.outline.tip - web.distance)
 
 
-def on_weight(web: WebPlate, points: Array) -> NDArray[np.bool_]:
+def on_weight(web: WebPlate, points: Array) -> Flags:
     """Which points (u, v) of a web lie on its counterweight."""
     if web.sector is None:
         return np.zeros(len(points), dtype=bool)
@@ -198,7 +195,7 @@ class View:
         Whether dimensions have the names of their fields in place of their values.
     """
 
-    def __init__(self, axes: "Axes", point: float, lettered: bool = False) -> None:
+    def __init__(self, axes: Axes, point: float, lettered: bool = False) -> None:
         self.axes, self.point, self.lettered = axes, point, lettered
         self.low, self.high = np.full(2, np.inf), np.full(2, -np.inf)
         self._taken: list[Box] = []

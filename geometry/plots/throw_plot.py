@@ -5,14 +5,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from html import escape
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array, Integers
 from crankbase.choices import check_choice
 from crankbase.diagrams import GRAY, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes
 from geometry.parts import Cylinder, Point, Sector, Slope, ThrowParts, WebPlate
 from geometry.plots.dimension_lines import (
     CENTER,
@@ -29,11 +31,6 @@ from geometry.plots.dimension_lines import (
 )
 from geometry.plots.views import draw_end, draw_side
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-Array = NDArray[np.float64]
 ThrowView = Literal["side", "left end"]
 Drawing = Callable[[View], None]
 Part = TypeVar("Part", Cylinder, WebPlate, Slope, Sector)
@@ -52,8 +49,8 @@ LABELED: dict[ThrowView, tuple[str, str]] = {
 
 
 def plot_throw(
-    axes: "Axes | None", parts: ThrowParts, view: ThrowView, dimensions: bool, title: str
-) -> "Axes":
+    axes: Axes | None, parts: ThrowParts, view: ThrowView, dimensions: bool, title: str
+) -> Axes:
     """Draw one view of a throw.
 
     Parameters
@@ -83,11 +80,11 @@ def plot_throw(
 
 
 def plot_throws(
-    axes: "Axes | None",
+    axes: Axes | None,
     throws: Sequence[ThrowParts],
     crank_angles: Sequence[float],
     ends: Sequence[tuple[float, float, float]],
-) -> "Axes":
+) -> Axes:
     """Draw the side view of throws in a row.
 
     Parameters
@@ -170,7 +167,7 @@ def _edges(ends: Sequence[tuple[float, float, float]]) -> list[float]:
     return [place for _, low, high in ends for place in (low, high)]
 
 
-def _draw_to_fit(axes: "Axes", draw: Drawing, length: float, labels: bool) -> None:
+def _draw_to_fit(axes: Axes, draw: Drawing, length: float, labels: bool) -> None:
     """Draw so that letters and arrows have their own size on the axes, whatever is drawn.
 
     Letters take their room first; what is drawn is as large as the rest lets it be.
@@ -186,7 +183,7 @@ def _draw_to_fit(axes: "Axes", draw: Drawing, length: float, labels: bool) -> No
         size = whole - (LABELS if labels else 0.0, LABELS)
     room = size - 2.0 * EDGE
 
-    def drawn(on: "Axes", point: float) -> View:
+    def drawn(on: Axes, point: float) -> View:
         view = View(on, point)
         draw(view)
         return view
@@ -208,7 +205,7 @@ def _reach(view: View) -> tuple[Array, Array]:
     return view.high, view.low
 
 
-def _label(axes: "Axes", across: str, up: str) -> None:
+def _label(axes: Axes, across: str, up: str) -> None:
     axes.set_xlabel(across)
     axes.set_ylabel(up)
     axes.grid(visible=False)
@@ -371,8 +368,6 @@ def outline_svg(
     return drawn.text(name)
 
 
-Integers = NDArray[np.int64]
-
 OUTSIDE, CUT = (0.78, 0.84, 0.90), (0.96, 0.80, 0.60)
 LINE, LINE_WIDTH = "#44525f", 0.25
 # A face that looks past the light has this share of its color.
@@ -382,13 +377,13 @@ ARROW = 0.14  # length of the frame's arrows as a share of the view's width
 
 
 def plot_mesh(
-    axes: "Axes | None",
+    axes: Axes | None,
     points: Array,
     outside: Integers,
     cuts: Mapping[str, Integers],
     eye: Array,
     title: str,
-) -> "Axes":
+) -> Axes:
     """Draw the facets that look towards the eye, the farthest first.
 
     Parameters
@@ -467,7 +462,7 @@ def view_frame(eye: Array) -> Array:
     return np.array([right, np.cross(towards, right), towards])
 
 
-def _draw_frame(axes: "Axes", frame: Array, corner: Array, width: float) -> None:
+def _draw_frame(axes: Axes, frame: Array, corner: Array, width: float) -> None:
     """Draw the throw's directions x, y, z in a corner."""
     for name, direction in zip("xyz", frame.T, strict=True):
         tip = corner + ARROW * width * direction[:2]

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from crankbase.array_checks import Array
 from geometry.parts import Arc, Cylinder, Drilling, DrillingExit, Line, Sector, ThrowParts, WebPlate
 from geometry.plots.dimension_lines import (
     BEYOND,
@@ -19,7 +20,6 @@ from geometry.plots.dimension_lines import (
     OUTLINE,
     THIN_CENTER,
     WEB_COLOR,
-    Array,
     Callout,
     Linear,
     Point,

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from regression.fits.forms import Basis, FittedForm, Term, design_matrix, term_name
 from regression.fits.gaussian_process import GaussianProcess
 from regression.plots import term_text
@@ -202,14 +202,14 @@ def _digits_needed(
     return LARGEST_DIGITS
 
 
-def _trial_points(factors: int) -> NDArray[np.float64]:
+def _trial_points(factors: int) -> Array:
     if factors <= _FACTORS_TRIED_FULLY:
         return np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=factors)))
     generator = np.random.default_rng(0)
     return generator.integers(-1, 2, size=(2000, factors)).astype(np.float64)
 
 
-def term_effects(fitted: FittedForm) -> tuple[list[str], NDArray[np.float64]]:
+def term_effects(fitted: FittedForm) -> tuple[list[str], Array]:
     """Return terms, as written in diagrams, and their coded coefficients, the largest first.
 
     The constant is left out.

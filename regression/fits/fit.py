@@ -2,22 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array
 from crankbase.diagrams import new_axes
-from crankbase.frames import table
+from crankbase.frames import Axes, table
 from crankbase.quantity import percent
 from crankbase.results import Internal, Part, Quantity, Result, result
 from regression.fits.equation_text import equation_text, term_effects, term_symbols
 from regression.fits.forms import FittedForm, Term, term_name
 from regression.fits.selection import Figure, FitErrors, LeastSquares
 from regression.plots import draw_effects
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # Above these a coefficient is poorly told from the others, a run decides nearly alone.
 LARGEST_VIF = 10.0
@@ -239,11 +237,11 @@ class Fit(FitErrors):
             )
         return tuple(warnings)
 
-    def predict(self, x: ArrayLike) -> NDArray[np.float64]:
+    def predict(self, x: ArrayLike) -> Array:
         """Evaluate at points (..., k); see `FittedForm.predict`."""
         return self.fitted.predict(x)
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the coded coefficients in the order of their size (Pareto); the constant is left out.
 
         Parameters

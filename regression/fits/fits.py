@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from regression.fits.fit import Fit, names_of_terms
 from regression.fits.forms import (
@@ -57,9 +58,6 @@ from regression.fits.selection import (
 
 if TYPE_CHECKING:
     pass
-
-
-Array = NDArray[np.float64]
 
 
 def _check_responses(name: str, values: Array, form: Form) -> None:

@@ -16,9 +16,11 @@ from functools import lru_cache
 from typing import Any, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field, FiniteFloat, model_validator
 
+from crankbase.array_checks import Array
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
 from geometry.throw import CrankThrow
@@ -102,11 +104,11 @@ def _base(name: str) -> str:
 
 
 def code(
-    points: NDArray[np.float64],
+    points: Array,
     center: Sequence[float],
     half_range: Sequence[float],
     log_factors: Sequence[bool],
-) -> NDArray[np.float64]:
+) -> Array:
     """Turn columns (..., k) into coded variables z = (u - center) / half_range, -1 to 1 over the runs.
 
     u is the column or, where `log_factors` says so, its natural logarithm; `InputError` if it has none.
@@ -121,13 +123,13 @@ def code(
             )
         points = points.copy()
         points[..., logged] = np.log(chosen)
-    middle: NDArray[np.float64] = np.asarray(center, dtype=np.float64)
-    span: NDArray[np.float64] = np.asarray(half_range, dtype=np.float64)
-    coded: NDArray[np.float64] = (points - middle) / span
+    middle: Array = np.asarray(center, dtype=np.float64)
+    span: Array = np.asarray(half_range, dtype=np.float64)
+    coded: Array = (points - middle) / span
     return coded
 
 
-def design_matrix(terms: Sequence[Term], coded: NDArray[np.float64]) -> NDArray[np.float64]:
+def design_matrix(terms: Sequence[Term], coded: Array) -> Array:
     """Return the columns of the terms at the coded points, (n, number of terms)."""
     matrix = np.ones((coded.shape[0], len(terms)))
     for column, term in enumerate(terms):
@@ -168,7 +170,6 @@ def natural_shift(value: float, size: float, logged: bool) -> Fraction:
     return Fraction(value) / Fraction(size)
 
 
-Array = NDArray[np.float64]
 # Numbers or arrays of one shape, by name of the dimension [SI].
 Dimensions = Mapping[str, Any]
 
@@ -324,11 +325,7 @@ FORMS: Mapping[str, Form] = {
 def form_named(name: str, field: str = "form") -> Form:
     """Form of this name; `InputError` if there is none."""
     known = {**FORMS, GAUSSIAN_PROCESS.name: GAUSSIAN_PROCESS}
-    if name not in known:
-        raise InputError(
-            f"{field}: given {name!r}; allowed are {', '.join(known)}, the forms of a regression "
-            "equation."
-        )
+    check_choice(field, name, known, "these are the forms of a regression equation")
     return known[name]
 
 
@@ -434,7 +431,7 @@ class FittedForm(InputModel):
         coefficients = tuple(factor * coefficient for coefficient in self.coefficients)
         return self.changed(coefficients=coefficients, process=process)
 
-    def predict(self, x: ArrayLike) -> NDArray[np.float64]:
+    def predict(self, x: ArrayLike) -> Array:
         """Evaluate at points (..., k), the columns along the last axis: (...) array.
 
         Raises
@@ -454,7 +451,7 @@ class FittedForm(InputModel):
             total = total + self.process.predict(coded)
         return np.exp(total) if self.logarithmic else total
 
-    def _polynomial(self, coded: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _polynomial(self, coded: Array) -> Array:
         total = np.zeros(coded.shape[:-1])
         for term, coefficient in zip(self.terms, self.coefficients, strict=True):
             product = np.full(coded.shape[:-1], coefficient)
@@ -482,7 +479,7 @@ class FittedForm(InputModel):
             return {term: float(value) for term, value in exact.items()}
         return {term: float(value / Fraction(response_size)) for term, value in exact.items()}
 
-    def natural_transformation(self) -> tuple[tuple[Term, ...], NDArray[np.float64]]:
+    def natural_transformation(self) -> tuple[tuple[Term, ...], Array]:
         """Terms in the order of `natural_coefficients`, and the matrix from coded coefficients to these."""
         columns = _expanded(self.terms, *self._natural_coding(None))
         terms = dict.fromkeys(itertools.chain(self.terms, *columns))

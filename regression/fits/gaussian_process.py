@@ -24,9 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
-
-Array = NDArray[np.float64]
 
 # Every row is kept, and a standard deviation needs the square of their number.
 MOST_ROWS = 1000

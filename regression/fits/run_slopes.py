@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from regression.fits.forms import Term, code, design_matrix
 from regression.fits.selection import FULL_LEVERAGE
-
-Array = NDArray[np.float64]
 
 # An equation's own lack of fit, as a share of the response: slopes within some of it are not doubted.
 LACK_OF_FIT = 0.003

@@ -21,11 +21,10 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.results import Number, Quantity, Result, result
 from regression.fits.forms import DEPENDENT_COLUMN, Basis, Term, divisors
-
-Array = NDArray[np.float64]
 
 # A run of this leverage alone determines a coefficient: it cannot be predicted from the others.
 FULL_LEVERAGE = 1.0 - 1e-9

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags, Integers
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
 from regression.plans.factors import Factor
 
-Array = NDArray[np.float64]
 # Factor values (n, k) [SI] to the response (n,).
 Model = Callable[[Array], Array]
 
@@ -147,7 +146,7 @@ POINTS, SEED = 32_768, 1
 # Draws for a point at most; where a region is so small a part of its section, the point stays itself.
 TRIES = 300
 
-Inside = Callable[[Array], NDArray[np.bool_]]
+Inside = Callable[[Array], Flags]
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +162,7 @@ class RegionSample:
     points: Array
     one_anew: list[Array]
     others_anew: list[Array]
-    orders: NDArray[np.int64]
+    orders: Integers
     first_anew: list[Array]
 
 
@@ -177,7 +176,7 @@ def region_sample(
     rng = np.random.default_rng(seed)
     width = len(factors)
 
-    def anew(points: Array, free: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int64]]:
+    def anew(points: Array, free: Flags) -> tuple[Array, Integers]:
         """Draw the free factors of each point again; also return which were not found."""
         moved, left = points.copy(), np.arange(len(points))
         for _ in range(TRIES):
@@ -199,7 +198,7 @@ def region_sample(
     orders = rng.permuted(np.tile(np.arange(width), (len(points), 1)), axis=1)
     ranks = np.argsort(orders, axis=1)
 
-    def section(free: NDArray[np.bool_]) -> Array:
+    def section(free: Flags) -> Array:
         return anew(points, np.broadcast_to(free, points.shape))[0]
 
     return RegionSample(

@@ -30,6 +30,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
+from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.quantity import percent
 from crankbase.results import Internal, Quantity, Result, result
@@ -672,8 +673,7 @@ def axial_formulas(
     >>> round(axial_formulas(throw)["Draminsky (1)"].value * 1e9, 4)
     2.4598
     """
-    case = _case(throw, gamma_deg, material, constants)
-    _check_variant(variant)
+    case = _case(throw, gamma_deg, material, constants, variant)
     return {
         name: _evaluate(formula, variant, case)
         for name, formula in AXIAL_FORMULAS.items()
@@ -711,13 +711,8 @@ def axial_formula(
         or that cannot be evaluated for this throw, including a print that is dimensionally
         inconsistent.
     """
-    if name not in AXIAL_FORMULAS:
-        raise InputError(
-            f"formula: given {name!r}; allowed are {', '.join(AXIAL_FORMULA_NAMES)}, the "
-            "published axial formulas that are known here."
-        )
-    case = _case(throw, gamma_deg, material, constants)
-    _check_variant(variant)
+    check_choice("formula", name, AXIAL_FORMULAS, "these are the published axial formulas")
+    case = _case(throw, gamma_deg, material, constants, variant)
     formula = AXIAL_FORMULAS[name]
     fault = _fault(name, formula, variant, case)
     if fault:
@@ -735,8 +730,7 @@ def axial_formula_faults(throw: CrankThrow, variant: str) -> dict[str, str]:
 
     Arguments and errors as there.
     """
-    case = _case(throw, 180.0, None, None)
-    _check_variant(variant)
+    case = _case(throw, 180.0, None, None, variant)
     faults = {
         name: _fault(name, formula, variant, case) for name, formula in AXIAL_FORMULAS.items()
     }
@@ -758,7 +752,10 @@ def _case(
     gamma_deg: float,
     material: Material | None,
     constants: Mapping[str, float] | None,
+    variant: str,
 ) -> ThrowCase:
+    """Return what all formulas take, checked with the reading that is asked for."""
+    check_choice("variant", variant, AXIAL_VARIANTS, "these are the readings of the formulas")
     chosen = dict(constants or {})
     crank, used = throw_and_material(throw, material)
     return ThrowCase(
@@ -769,14 +766,6 @@ def _case(
         checked_constants(chosen),
         frozenset(chosen),
     )
-
-
-def _check_variant(variant: str) -> None:
-    if variant not in AXIAL_VARIANTS:
-        raise InputError(
-            f"variant: given {variant!r}; allowed are {', '.join(AXIAL_VARIANTS)}, the readings "
-            "of the published formulas."
-        )
 
 
 def _evaluate(formula: AxialFormula, variant: str, case: ThrowCase) -> FormulaValue:

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-from crankbase.choices import check_kind, is_number
+from crankbase.array_checks import positive_number
+from crankbase.choices import check_choice, check_kind, is_number
 from crankbase.errors import InputError, quoted
 from crankbase.frames import table
 from crankbase.results import InItsUnit, Result, result
@@ -319,13 +320,10 @@ def checked_angle_deg(gamma_deg: float) -> float:
     return fold_angle_deg(gamma_deg)
 
 
-def check_youngs_modulus(youngs_modulus: object) -> None:
+def check_youngs_modulus(youngs_modulus: float) -> None:
     """Refuse what is not a positive number of Pa (`InputError`)."""
-    if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
-        raise InputError(
-            f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
-            "because a throw without stiffness has no compliance."
-        )
+    reason = "a throw without stiffness has no compliance"
+    positive_number("youngs_modulus", youngs_modulus, "Pa", reason)
 
 
 @dataclass(frozen=True)
@@ -367,14 +365,6 @@ def checked_constants(constants: Mapping[str, float]) -> dict[str, float]:
     `InputError` if one is unknown or not positive.
     """
     for key, value in constants.items():
-        if key not in DEFAULT_CONSTANTS:
-            raise InputError(
-                f"constants: given {key!r}; allowed are {', '.join(DEFAULT_CONSTANTS)}, the open "
-                "constants of the formulas."
-            )
-        if not (is_number(value) and value > 0.0):
-            raise InputError(
-                f"constant {key}: given {value!r}; allowed is a positive number, because the "
-                "constant multiplies a compliance."
-            )
+        check_choice("constants", key, DEFAULT_CONSTANTS, "these are the formulas' open constants")
+        positive_number(f"constant {key}", value, "", "it multiplies a compliance")
     return {**DEFAULT_CONSTANTS, **constants}

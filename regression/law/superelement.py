@@ -18,9 +18,9 @@ with rigid motions its end forces balance the pin's exactly.
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import finite_array
+from crankbase.array_checks import Array, finite_array
 from crankbase.errors import InputError, quoted
 from geometry.throw import CrankThrow
 from regression.law.throw_law import OUTPUTS, POISSON_RATIO, LawAnswers
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from fem.supports import Support
     from regression.models.lookup import ReactionLookup
 
-Array = NDArray[np.float64]
 UX, UY, UZ, RX, RY, RZ = range(6)
 # All that the law answers but the volume.
 NUMBERS = tuple(name for name in OUTPUTS if name != "volume")

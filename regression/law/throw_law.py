@@ -14,18 +14,17 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import finite_array
+from crankbase.array_checks import Array, Flags, finite_array
 from crankbase.choices import check_kind, is_number
 from crankbase.errors import InputError, quoted
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from geometry.throw import COLLAR_MARGIN, CrankThrow
 from geometry.throw_dimensions import Web, web_dimension
 from regression.formulas.case import FormulaValue, check_youngs_modulus
 from regression.models.angle import between_values
 
-Array = NDArray[np.float64]
 Ratios = Mapping[str, Any]
 
 # Ranges of the lengths over D that every throw has.
@@ -616,8 +615,7 @@ POISSON_RANGE = (0.25, 0.35)
 INPUTS = {"plain": plain_inputs, "real": real_inputs}
 
 
-@summarized("pinned [m/N]", "guided [m/N]", "ratio", "influence_pinned [m/N]", "band [m/N]", "tier")
-@dataclass(frozen=True)
+@frozen("pinned [m/N]", "guided [m/N]", "ratio", "influence_pinned [m/N]", "band [m/N]", "tier")
 class AxialLaw:
     """Axial compliance and influence coefficient by the law: floats for a throw, arrays for many.
 
@@ -671,8 +669,7 @@ class AxialLaw:
         return between_values(gamma_deg, (self.influence_guided, self.influence_pinned, self.ratio))
 
 
-@summarized("pinned [rad/(N m)]", "guided [rad/(N m)]", "band [rad/(N m)]", "tier")
-@dataclass(frozen=True)
+@frozen("pinned [rad/(N m)]", "guided [rad/(N m)]", "band [rad/(N m)]", "tier")
 class TorsionalLaw:
     """Torsional compliance by the law: floats for a throw, arrays for many.
 
@@ -928,7 +925,7 @@ def _of_tier(
     return some.evaluate(inputs)
 
 
-def _picked(of_throw: Ratios, shape: tuple[int, ...], where: NDArray[np.bool_]) -> dict[str, Any]:
+def _picked(of_throw: Ratios, shape: tuple[int, ...], where: Flags) -> dict[str, Any]:
     """Ratios of some throws of a shape, flat."""
     return {name: np.broadcast_to(value, shape).ravel()[where] for name, value in of_throw.items()}
 
@@ -994,8 +991,7 @@ def _band(value: Any, error: Any) -> tuple[Any, Any]:
     return value * (1.0 - error), value * (1.0 + error)
 
 
-@summarized("mass [kg]", "band [kg]", "tier")
-@dataclass(frozen=True)
+@frozen("mass [kg]", "band [kg]", "tier")
 class MassLaw:
     """Mass of a throw by the law.
 

@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.choices import check_not_given, did_you_mean, whole_number
 from crankbase.errors import InputError
-from crankbase.frames import grid, table
+from crankbase.frames import Axes, grid, table
 from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
 from crankbase.model import InputModel
 from crankbase.outputs import write_text
@@ -70,8 +70,6 @@ from regression.response_kinds import (
 from regression.throw_values import check_dimension, same_dimension
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from fem.supports import Support
     from regression.formulas.case import OfThrow
 
@@ -194,7 +192,7 @@ def _column_ranges(responses: Mapping[str, ResponseModel]) -> dict[str, tuple[fl
     return ranges
 
 
-Value = float | NDArray[np.float64]
+Value = float | Array
 
 
 def _warn_outside(answers: Iterable[ResponseValues], frames: int) -> None:
@@ -709,7 +707,7 @@ class ComplianceModel(InputModel):
         twins = {} if angle_law_remarks(self.family, self.throw) else RIGHT_MOMENTS
         values |= {right: values[left] for left, right in twins.items() if left in values}
 
-        def loads(name: str = "", ends: Any = None) -> FloatArray:
+        def loads(name: str = "", ends: Any = None) -> Array:
             changed = {} if not name else {name: ends, twins.get(name, name): ends}
             return end_reactions(values | changed, lengths, force, gamma)
 
@@ -888,13 +886,13 @@ class ComplianceModel(InputModel):
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         response: str | None = None,
         over: str | None = None,
         gamma_deg: float | None = None,
         **dimensions: float | str,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw a response over one factor, with the band of its error.
 
         Parameters

@@ -10,8 +10,8 @@ from functools import cached_property, lru_cache, partial, reduce
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, named
 from crankbase.model import field_extra
@@ -209,9 +209,7 @@ def smallest_and_largest(values: Any) -> tuple[float, float]:
     return float(np.min(values)), float(np.max(values))
 
 
-def _checked_numbers(
-    name: str, value: object, least: float, family: Family
-) -> float | NDArray[np.float64]:
+def _checked_numbers(name: str, value: object, least: float, family: Family) -> float | Array:
     """Return finite numbers, positive ones unless the model's least value permits otherwise."""
     if isinstance(value, float) and 0.0 < value < math.inf:
         return float(value)

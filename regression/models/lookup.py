@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray, check_sizes, finite_array
+from crankbase.array_checks import Array, Flags, check_sizes, finite_array
 from crankbase.errors import InputError
 from crankbase.frames import table
 from crankbase.results import Part, Quantity, Result, result
@@ -29,7 +29,7 @@ NO_BAND = "none holds outside the range of the fit"
 class Slope(Result):
     """Derivative of a response by one factor, a float or an array, and its unit, such as "m/N per m"."""
 
-    value: Annotated[float | FloatArray, Quantity(".unit")]
+    value: Annotated[float | Array, Quantity(".unit")]
     unit: str
 
 
@@ -53,10 +53,10 @@ class Lookups(Result):
         As in `Lookup`; origin of the band.
     """
 
-    value: Annotated[FloatArray, Quantity(".unit")]
-    lower: Annotated[FloatArray, Quantity(".unit")]
-    upper: Annotated[FloatArray, Quantity(".unit")]
-    inside: Part[NDArray[np.bool_]]
+    value: Annotated[Array, Quantity(".unit")]
+    lower: Annotated[Array, Quantity(".unit")]
+    upper: Annotated[Array, Quantity(".unit")]
+    inside: Part[Flags]
     unit: str
     symbol: str
     support: str
@@ -205,8 +205,6 @@ def look_up_between_neighbors(
     }
 
 
-Array = NDArray[np.float64]
-
 _WEBS = ("left_web.thickness", "right_web.thickness")
 
 
@@ -236,7 +234,7 @@ class ReactionLookup(Reactions):
 
     band: Reactions
     support: str
-    inside: Annotated[NDArray[np.bool_], Quantity()]
+    inside: Annotated[Flags, Quantity()]
     remarks: tuple[str, ...]
 
     def to_pandas(self) -> Any:

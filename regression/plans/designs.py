@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags, Integers
 from crankbase.errors import InputError
 from crankbase.latin_hypercube import centered_discrepancy, latin_hypercube
 from crankbase.results import Number, Quantity, Result, result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from regression.plans.factors import Factor, rounded
 
 # Latin hypercubes tried, of which the one with the largest smallest distance is taken; fewer of large
@@ -30,7 +30,7 @@ OUTER = 0.25
 # that is less; it never ends before the smallest number.
 SEARCHED_EACH, SEARCHED, SEARCHED_AT_LEAST = 50, 100_000, 2000
 
-Points = NDArray[np.float64]
+Points = Array
 
 
 def hypercube_trials(count: int) -> int:
@@ -100,7 +100,7 @@ def smallest_distance(points: Points) -> float:
     return float(np.min(distances))
 
 
-def well_spaced_subset(points: Points, count: int) -> NDArray[np.int64]:
+def well_spaced_subset(points: Points, count: int) -> Integers:
     """Indices, ascending, of `count` points (n, k) far apart: the nearest ones are dropped one by one."""
     number = len(points)
     if number > LARGEST_THINNED:
@@ -124,11 +124,11 @@ def well_spaced_subset(points: Points, count: int) -> NDArray[np.int64]:
 
 def draw_feasible_points(
     draw: Callable[[int], Points],
-    possible: Callable[[Points], NDArray[np.bool_]],
+    possible: Callable[[Points], Flags],
     count: int,
     *,
     in_order: bool,
-) -> tuple[Points, NDArray[np.bool_], NDArray[np.bool_]] | None:
+) -> tuple[Points, Flags, Flags] | None:
     """Draw points (n, k) until `count` of them are possible; None if so few are that the search is abandoned.
 
     Returns all points drawn, which of them are used, and which are impossible. With `in_order` the
@@ -171,7 +171,7 @@ class DesignQuality(Result):
     correlated: tuple[str, ...]
 
 
-def design_quality(factors: Sequence[Factor], values: NDArray[np.float64]) -> DesignQuality:
+def design_quality(factors: Sequence[Factor], values: Array) -> DesignQuality:
     """Assess runs (n, k) [SI], of a choice the label's index, by distance, discrepancy and correlation."""
     lowest = np.array([factor.lowest for factor in factors])
     spans = np.array([factor.highest for factor in factors]) - lowest
@@ -194,7 +194,7 @@ def design_quality(factors: Sequence[Factor], values: NDArray[np.float64]) -> De
 
 
 def _largest_correlation(
-    factors: Sequence[Factor], points: NDArray[np.float64]
+    factors: Sequence[Factor], points: Array
 ) -> tuple[float | None, tuple[str, ...]]:
     ordered = [
         place
@@ -216,7 +216,7 @@ ROMAN = {3: "III", 4: "IV", 5: "V", 6: "VI", 7: "VII", 8: "VIII"}
 # Products of columns examined for the shortest word of a fraction.
 LARGEST_SEARCH = 300_000
 
-Coded = NDArray[np.float64]
+Coded = Array
 
 
 def corner_fraction(factors: int, resolution: int) -> Coded:
@@ -331,8 +331,7 @@ TAKERS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-@summarized("kind", "runs", keeps_text=True)
-@dataclass(frozen=True)
+@frozen("kind", "runs")
 class DesignChoice:
     """A design of experiments with its parameters.
 
@@ -366,7 +365,7 @@ FACES = ("faced", "inscribed", "circumscribed")
 MOST_FACTORS = 30
 
 
-def central_composite(factors: int, face: str, resolution: int | None) -> NDArray[np.float64]:
+def central_composite(factors: int, face: str, resolution: int | None) -> Array:
     """Corners, stars and the center of a box, (n, factors) within -1 to 1.
 
     The center stands once, because finite elements repeat exactly. "faced": corners and the middles of
@@ -393,7 +392,7 @@ def central_composite(factors: int, face: str, resolution: int | None) -> NDArra
     return np.vstack([corners, stars, np.zeros((1, factors))])
 
 
-def box_behnken(factors: int) -> NDArray[np.float64]:
+def box_behnken(factors: int) -> Array:
     """Middles of the edges in each plane of two factors, and the center: (2 k (k - 1) + 1, k).
 
     `InputError` if there are fewer than 3 factors.
@@ -411,7 +410,7 @@ def box_behnken(factors: int) -> NDArray[np.float64]:
 # Streams of random numbers drawn from one seed, so that runs and held-out designs differ.
 HELD_OUT_STREAM, RUN_STREAM = 0, 1
 
-Table = NDArray[np.float64]
+Table = Array
 
 
 @dataclass(frozen=True, eq=False)

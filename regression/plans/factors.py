@@ -7,11 +7,11 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from crankbase.choices import check_choice, did_you_mean, is_number, is_whole_within
+from crankbase.choices import check_choice, did_you_mean, is_number, whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.quantity import format_quantity
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from geometry.throw import CrankThrow
 
 SPACINGS = ("even", "log", "chebyshev", "log chebyshev")
@@ -21,8 +21,7 @@ FREE_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 DIGITS = 12
 
 
-@summarized("name", "lowest", "highest", "unit", keeps_text=True)
-@dataclass(frozen=True)
+@frozen("name", "lowest", "highest", "unit")
 class Factor:
     """A factor of a study.
 
@@ -125,10 +124,7 @@ class Factor:
         """
         field = f"study.factors.{name}"
         check_choice(f"{field}.spacing", spacing, SPACINGS, "these are the ways to spread levels")
-        if not is_whole_within(levels, 2, 1000):
-            raise InputError(
-                f"{field}.levels: given {levels!r}; allowed is a whole number from 2 to 1000."
-            )
+        whole_within(f"{field}.levels", levels, 2, 1000, "a factor varies over a few")
         plain = cls(name, unit, lowest, highest)  # refuses an empty range
         logarithmic = spacing.startswith("log")
         if logarithmic and lowest <= 0.0:

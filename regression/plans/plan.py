@@ -6,12 +6,12 @@ from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags
 from crankbase.choices import whole_number
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from crankbase.units import is_unit
 from fem.material import STEEL, Material
 from geometry.throw import CrankThrow
@@ -115,7 +115,7 @@ class Variants:
         ordered = {path: read[path] for path in evaluation_order(read)}
         return cls(record, factors, fields, units, ordered, limits)
 
-    def at(self, values: NDArray[np.float64]) -> tuple[Variant, ...]:
+    def at(self, values: Array) -> tuple[Variant, ...]:
         """Make the throws of factor values (n, k) [SI]; of a choice the label's index."""
         count = len(values)
         reasons: list[str | None] = [None] * count
@@ -139,7 +139,7 @@ class Variants:
             for place, row in enumerate(values.tolist())
         )
 
-    def keep_constraints(self, values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def keep_constraints(self, values: Array) -> Flags:
         """Return which factor values (n, k) meet the constraints, whether throws can be built or not."""
         known = self._quantities(values)
         kept = np.ones(len(values), dtype=bool)
@@ -149,7 +149,7 @@ class Variants:
             kept &= constraint_excess(constraint, known, self.units) <= EQUAL_WITHIN
         return kept
 
-    def fields_at(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    def fields_at(self, values: Array) -> dict[str, Array]:
         """Return all numbers of the throws of factor values (n, k), whether they can be built or not."""
         count = len(values)
         known = {
@@ -166,16 +166,14 @@ class Variants:
             known[path] = np.array(np.broadcast_to(result, (count,)))
         return known
 
-    def beside(
-        self, values: NDArray[np.float64], place: int
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    def beside(self, values: Array, place: int) -> tuple[Array, Array, float]:
         """Return the values with one factor smaller and larger, and half of the difference [SI]."""
         factor = self.factors[place]
         step = SHIFT * (factor.highest - factor.lowest)
         shift = step * np.eye(len(self.factors))[place]
         return values - shift, values + shift, step
 
-    def _quantities(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    def _quantities(self, values: Array) -> dict[str, Array]:
         columns = {
             factor.name: column
             for factor, column in zip(self.factors, values.T, strict=True)
@@ -198,7 +196,7 @@ class Variants:
         self,
         row: list[float],
         place: int,
-        known: Mapping[str, NDArray[np.float64]],
+        known: Mapping[str, Array],
         reason: str | None,
     ) -> Variant:
         if reason is not None:
@@ -265,8 +263,7 @@ def _check_factor(
 MODEL_VERSION = 6
 
 
-@summarized("study: key", "factors: names", "design: design.kind", "held_out", "accuracy")
-@dataclass(frozen=True)
+@frozen("study: key", "factors: names", "design: design.kind", "held_out", "accuracy")
 class StudyPlan:
     """A base throw, its factors and design, and held-out designs.
 
@@ -487,7 +484,7 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
 
 
 def _split(
-    plan: StudyPlan, role: str, values: NDArray[np.float64], made: Sequence[Variant]
+    plan: StudyPlan, role: str, values: Array, made: Sequence[Variant]
 ) -> tuple[tuple[PlannedDesign, ...], tuple[ExcludedDesign, ...]]:
     """Separate the designs that can be built from those that cannot."""
     designs, excluded = [], []
@@ -505,10 +502,10 @@ def _draw_feasible_designs(
     """Draw points until `count` of them are feasible designs; also return how many were drawn."""
     made: tuple[Variant, ...] = ()
 
-    def draw(number: int) -> NDArray[np.float64]:
+    def draw(number: int) -> Array:
         return space_filling_points(plan.factors, kind, number, (plan.seed, stream))
 
-    def possible(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def possible(points: Array) -> Flags:
         nonlocal made
         made = variants.at(values_at(plan.factors, points))
         return np.array([variant.throw is not None for variant in made])

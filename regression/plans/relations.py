@@ -14,8 +14,8 @@ from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags
 from crankbase.choices import did_you_mean, is_number
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import LARGEST_POWER, LONGEST_EXPRESSION
@@ -28,7 +28,7 @@ TOKEN = re.compile(
     re.ASCII,
 )
 POWERS = ("^", "**")
-Values = Mapping[str, NDArray[np.float64]]
+Values = Mapping[str, Array]
 Units = Mapping[str, str]
 
 
@@ -177,9 +177,7 @@ def _unknown_name(token: str, text: str, field: str, units: Units) -> InputError
     )
 
 
-def evaluate_expression(
-    expression: Expression, values: Values, units: Units, unit: str
-) -> NDArray[np.float64]:
+def evaluate_expression(expression: Expression, values: Values, units: Units, unit: str) -> Array:
     """Evaluate an expression at values () or (n,) [SI]; not finite where it has no value.
 
     `unit` is the SI unit of the result, "" for a pure number; `InputError` if it is of another one.
@@ -336,7 +334,7 @@ def constraint_violations(
     return reasons
 
 
-def constraint_excess(constraint: Constraint, values: Values, units: Units) -> NDArray[np.float64]:
+def constraint_excess(constraint: Constraint, values: Values, units: Units) -> Array:
     """Return the violation of a constraint, as a share of its smaller sides; 0 or less is met."""
     _, sides = _sides(constraint, values, units)
     rows = []
@@ -344,7 +342,7 @@ def constraint_excess(constraint: Constraint, values: Values, units: Units) -> N
         small, large = (left, right) if sign.startswith("<") else (right, left)
         size = np.abs(small)
         rows.append((small - large) / np.where(size > 0.0, size, 1.0))
-    worst: NDArray[np.float64] = np.max(np.broadcast_arrays(*rows), axis=0)
+    worst: Array = np.max(np.broadcast_arrays(*rows), axis=0)
     return worst
 
 
@@ -355,14 +353,12 @@ def _sides(constraint: Constraint, values: Values, units: Units) -> tuple[str, l
     return unit, [side.to(unit).magnitude for side in sides]
 
 
-def holds(sign: str, left: Any, right: Any) -> NDArray[np.bool_]:
+def holds(sign: str, left: Any, right: Any) -> Flags:
     """Compare values or arrays by a sign; what is not finite holds nothing."""
     with np.errstate(invalid="ignore"):
         margin = EQUAL_WITHIN * np.maximum(np.abs(left), np.abs(right))
         gap = right - left if sign.startswith("<") else left - right
-        kept: NDArray[np.bool_] = np.isfinite(gap) & (
-            gap >= -margin if "=" in sign else gap > margin
-        )
+        kept: Flags = np.isfinite(gap) & (gap >= -margin if "=" in sign else gap > margin)
         return kept
 
 

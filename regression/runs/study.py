@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.calls import GIGABYTE
 from crankbase.choices import is_whole_within
 from crankbase.errors import InputError
@@ -84,7 +84,7 @@ def check_study_memory(designs: Sequence[Mapping[str, Any]], workers: int) -> No
     )
 
 
-def add_runs(plan: StudyPlan, store: str | Path, values: NDArray[np.float64]) -> None:
+def add_runs(plan: StudyPlan, store: str | Path, values: Array) -> None:
     """Add runs to those of a study in the store; the next run computes them.
 
     `values` (n, k) are of the factors [SI], of a choice the label's index; throws can be built of them.
@@ -102,7 +102,7 @@ def known_designs(store: str | Path, plan: StudyPlan) -> PlannedStudy:
         return with_added(results, plan)
 
 
-def _added(plan: StudyPlan, values: NDArray[np.float64]) -> list[PlannedDesign]:
+def _added(plan: StudyPlan, values: Array) -> list[PlannedDesign]:
     made = plan.variants().at(values)
     return [
         replace(planned_design(plan, RUN, tuple(row), variant.throw), added=True)

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags
 from crankbase.diagrams import display_unit, draw_dots, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.frames import table
+from crankbase.frames import Axes, table
 from crankbase.model import field_extra
 from crankbase.results import Internal, Quantity, Result, result
 from fem.responses import RESPONSES
@@ -20,10 +20,6 @@ from regression.plots import design_dots, factor_size, label_factor_axis, respon
 from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
 from regression.throw_values import same_dimension
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
 Arrays = Mapping[str, Annotated[Array, Quantity("1")]]
 
 DONE, WAITING = "done", "waiting"
@@ -72,7 +68,7 @@ class DesignTable(Result):
     """
 
     values: Annotated[Array, Quantity(".value_units")]
-    held_out: Annotated[NDArray[np.bool_], Quantity()]
+    held_out: Annotated[Flags, Quantity()]
     responses: Annotated[Arrays, Quantity(".response_units")]
     errors: Annotated[Arrays, Quantity("1")]
 
@@ -129,8 +125,8 @@ class StudyTable(DesignTable):
     slope_errors: Internal[Mapping[str, Array]] = field(default_factory=dict)
 
     def plot(
-        self, axes: "Axes | None" = None, *, response: str | None = None, factor: str | None = None
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, response: str | None = None, factor: str | None = None
+    ) -> Axes:
         """Draw a response of all designs over one of the factors.
 
         Parameters

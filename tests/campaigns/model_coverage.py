@@ -15,8 +15,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankfem import load_throw
 from crankfem.analyses.study.studies import StudyResult, fitted
 from regression.models.response_query import ErrorBand, error_band
@@ -25,8 +25,6 @@ from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.runs.study import run_plan
 from regression.runs.study_table import StudyTable
-
-Array = NDArray[np.float64]
 
 FRESH, FINER = 100, 20
 SEEDS = (20_261, 4)

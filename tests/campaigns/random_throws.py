@@ -9,11 +9,15 @@ import math
 import sys
 import time
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from condensed_parts import mass_of_elements
 from crankbase.errors import InputError, MeshError
-from geometry.mass import mass_properties, mesh_mass_properties
+from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
 from geometry.shapes import corner_quality, smallest_jacobians
 from geometry.sizes import predict_unknowns
@@ -206,7 +210,7 @@ def main(count: int = 300, first: int = 1) -> None:
         found[mesh.part] += 1
         found["meshed"] += 1
         ratios.append(predict_unknowns(throw.parts, mesh.size_factor, mesh.part) / mesh.unknowns)
-        solid, elements = mass_properties(mesh, 7850.0), mesh_mass_properties(mesh, 7850.0)
+        solid, elements = mass_properties(mesh, 7850.0), mass_of_elements(mesh, 7850.0)
         masses.append(abs(elements.mass / solid.mass - 1.0))
         worst = min(worst, float(smallest_jacobians(mesh.points, mesh.elements).min()))
         flattest.append(float(corner_quality(mesh.points, mesh.elements).min()))

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError, SolveError
 from crankbase.results import Internal, Quantity, Result, Speed, contents, result
 from json_units import numbers_with_units
@@ -22,7 +22,7 @@ class Peak(Result):
 
     speed: Speed
     load: Annotated[float, Quantity("N", "load P")]
-    compliances: Annotated[FloatArray, Quantity("m/N")]
+    compliances: Annotated[Array, Quantity("m/N")]
     limit: Annotated[float, Quantity(".unit")] | None
     unit: str
     cylinder: int

@@ -44,7 +44,6 @@ from dynamics.strength.fatigue import (
     findley_factor,
     findley_limit,
     hole_equivalent,
-    strength_near_end,
 )
 from dynamics.strength.shrink_fit import ShrinkFit
 from refusals import refusals, refusals_of, refused
@@ -268,13 +267,6 @@ def test_hardened_surfaces():
     assert nitrided.transition_strength(300e6) == close(300e6)
     # The layer ends where the steel is 50 HV harder than its core.
     assert nitrided.hardness([0.0, 0.5e-3, 5e-3], 300.0) == close([700.0, 350.0, 300.0])
-    for depths, shares in (
-        ((2.0, 4.0), 0.8),
-        ((4.1, 8.0), 0.88),
-        ((8.1, 12.0), 0.94),
-        ((12.1, 50.0), 1.0),
-    ):
-        assert [strength_near_end(1e-3 * one, 4e-3) for one in depths] == [shares] * 2
 
 
 test_wrong_hardening_is_refused = refusals_of(

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from comparing import close
+from condensed_parts import mass_of_elements
 from geometry.gmsh_session import gmsh_session
-from geometry.mass import mass_properties, mesh_mass_properties
+from geometry.mass import mass_properties
 from geometry.mesh import check_solid, mesh_throw, solid_properties
 from geometry.solid import OIL_HOLE, build_solid, on_drilling
 from geometry.throw import CrankThrow
@@ -115,7 +116,7 @@ def test_the_solid_and_the_mesh_are_what_is_described(build, feature):
     mesh = meshed(throw, 3.0)
     assert mesh.part == throw.symmetry
     assert PARTS[mesh.part] * mesh.solid.volume == close(throw.volume, rel=1e-6)
-    solid, elements = mass_properties(mesh, 7850.0), mesh_mass_properties(mesh, 7850.0)
+    solid, elements = mass_properties(mesh, 7850.0), mass_of_elements(mesh, 7850.0)
     assert elements.mass == close(solid.mass, rel=1e-3)
     assert elements.center == close(solid.center, rel=1e-3, abs=1e-3 * throw.crank_radius)
     scale = float(np.abs(solid.inertia).max())

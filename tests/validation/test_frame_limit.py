@@ -31,11 +31,12 @@ import numpy as np
 import pytest
 
 from comparing import close
+from condensed_parts import torsional_compliance
 from fem.material import STEEL
 from fem.solver import assemble_stiffness
 from fem.superelement import condense
-from fem.supports import class_axial_compliances, class_torsional_compliance
-from fem.symmetry import axial_class, torsional_class, unit_pin_loads
+from fem.supports import class_axial_compliances
+from fem.symmetry import axial_class, symmetry_classes, unit_pin_loads
 from geometry.mesh import mesh_throw
 from parts_in_a_line import crank_throw
 
@@ -86,10 +87,10 @@ def finite_element_compliances(throw, size_factor):
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
     pins = unit_pin_loads(mesh)
     pulled = condense(mesh, matrix, pins, axial_class(mesh.part))
-    twisted = condense(mesh, matrix, pins, torsional_class(mesh.part))
+    twisted = condense(mesh, matrix, pins, symmetry_classes(mesh.part)[-1])
     supports = ("pinned", "guided")
     return [class_axial_compliances(pulled, support)[0] for support in supports] + [
-        class_torsional_compliance(twisted, support) for support in supports
+        torsional_compliance(twisted, support) for support in supports
     ]
 
 

@@ -32,6 +32,7 @@ from scipy.spatial import KDTree
 from scipy.special import ellipe, ellipk
 
 from comparing import close
+from condensed_parts import mass_of_elements
 from fem.fillet_peaks import (
     fillet_surface,
     largest_principal,
@@ -42,7 +43,6 @@ from fem.fillet_peaks import (
 from fem.material import STEEL
 from geometry.crankshaft import throw_solid
 from geometry.gmsh_session import gmsh_session
-from geometry.mass import mesh_mass_properties
 from geometry.mesh import SolidProperties, ThrowMesh, mesh_throw, read_mesh
 from geometry.parts import Cylinder, Drilling, ThrowParts, distance_from_wall
 from geometry.shapes import straighten_elements
@@ -129,7 +129,7 @@ def test_solid_and_mesh_lose_what_the_hole_takes(hole, dimensions, figure):
     solid = {"quarter": 4.0, "half": 2.0}[throw.symmetry] * throw_solid(throw).volume
     figure("volume of a throw with a hole", solid, throw.volume, 1e-3, "m^3")
     figure("volume of the hole in the throw", plain.volume - solid, taken, 1e-3, "m^3")
-    meshed = mesh_mass_properties(mesh_throw(throw), 1.0).mass
+    meshed = mass_of_elements(mesh_throw(throw), 1.0).mass
     figure("volume of its mesh", meshed, throw.volume, 1e-3, "m^3")
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.results import Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table
 from crankfem.analyses.mechanism.engine_balance import angle_cell, cleared
@@ -80,15 +80,15 @@ def _rod(layout: EngineLayout, number: int) -> Literal["main", "hinged"]:
 
 
 def motion_columns(
-    layout: EngineLayout, speed: float, cylinders: Sequence[int], shaft_angles: FloatArray
-) -> dict[str, FloatArray]:
+    layout: EngineLayout, speed: float, cylinders: Sequence[int], shaft_angles: Array
+) -> dict[str, Array]:
     """Return the motion of pistons and rods over shaft angles (m,) [rad] by name with unit.
 
     The piston's travel from its top and its acceleration towards the shaft, whole and by order, with that of
     the rod's center of mass, where the third of three masses is; across: to the side to which the crankpin
     moves as it passes the top.
     """
-    columns: dict[str, FloatArray] = {}
+    columns: dict[str, Array] = {}
     for number in cylinders:
         alpha = shaft_angles - math.radians(layout.cylinders[number - 1].top_shaft_angle_deg)
         parts = acceleration_orders(layout, number, speed, max(ORDERS))
@@ -109,7 +109,7 @@ def motion_columns(
 
 
 Acceleration = Annotated[float, Quantity("m/s^2")]
-Accelerations = Annotated[FloatArray, Quantity("m/s^2")]
+Accelerations = Annotated[Array, Quantity("m/s^2")]
 
 
 @result("cylinder", "rod", "largest")
@@ -129,7 +129,7 @@ class PistonAcceleration(Result):
     largest: Acceleration
     orders: Annotated[tuple[int, ...], Quantity("1")]
     amplitude: Accelerations
-    phase_deg: Annotated[FloatArray, Quantity("deg")]
+    phase_deg: Annotated[Array, Quantity("deg")]
     left: Acceleration
 
 
@@ -252,7 +252,7 @@ def piston_accelerations(
 
 
 def _piston(
-    layout: EngineLayout, speed: float, number: int, alpha: FloatArray, whole: FloatArray
+    layout: EngineLayout, speed: float, number: int, alpha: Array, whole: Array
 ) -> PistonAcceleration:
     parts = acceleration_orders(layout, number, speed, HIGHEST_ORDER)
     amplitude, cosine, sine = (

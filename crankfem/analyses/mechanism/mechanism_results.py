@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Internal, Number, Quantity, Result, Speed, result
 from crankbase.sentences import capital, kept
@@ -407,7 +407,7 @@ def _bearing_load(load: LoadDiagram, size: Size) -> BearingLoad:
 
 def force_columns(
     run: MechanismRun, compared: ModelDifference | None = None
-) -> tuple[dict[str, FloatArray], str]:
+) -> tuple[dict[str, Array], str]:
     """Return the forces over the shaft angle by name with unit, and a description.
 
     With the motion of pistons and rods and, if two rod models are compared, the forces of the first

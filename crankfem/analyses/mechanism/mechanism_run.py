@@ -1,16 +1,15 @@
 """Everything about an engine's crank mechanism at one speed: forces, loads, torque, work, balance."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 
 from crankbase.choices import check_choice, check_kind, check_not_given, is_whole
 from crankbase.errors import InputError
-from crankbase.frames import table
+from crankbase.frames import Axes, table
 from crankbase.results import Quantity, Result, result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from crankfem.analyses.engine_mechanism import (
     full_load_only,
     pressures_at,
@@ -40,9 +39,6 @@ from dynamics.torque import (
     samples_and_gas,
 )
 from geometry.mass import MassProperties
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 Shown = Literal[
     "torque", "forces", "pressure", "crankpin", "bearing", "force balance", "moment balance"
@@ -79,15 +75,15 @@ class CylinderWork(Result):
     largest_tangential_force: Newton
 
 
-@summarized(
+@frozen(
     "engine_file.engine.name",
     "speed [rad/s]",
     "torque: torque.mean [N m]",
     "torque.power [W]",
     "crankpins",
     "bearings",
+    eq=False,
 )
-@dataclass(frozen=True, eq=False)
 class MechanismRun:
     """Forces in an engine's mechanism over one cycle at constant speed.
 
@@ -115,12 +111,12 @@ class MechanismRun:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         show: Shown = "torque",
         number: int | None = None,
         frame: Literal["crank", "engine"] | None = None,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw one diagram of the mechanism.
 
         Parameters

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array, Flags
 from crankbase.diagrams import (
     COLORS,
     GRAY,
@@ -139,8 +138,8 @@ def plot_accelerations(
         If there is no such cylinder, or an order is not a whole number of 1 or more.
     """
     angles = np.linspace(0.0, 2.0 * np.pi, POINTS)
-    panels: dict[str, dict[str, FloatArray]] = {}
-    wholes: list[FloatArray] = []
+    panels: dict[str, dict[str, Array]] = {}
+    wholes: list[Array] = []
     for cylinder, name in cylinders.items():
         checked_cylinder(engine, cylinder)
         wholes.append(piston_acceleration(engine, cylinder, speed, angles_deg=np.degrees(angles)))
@@ -378,7 +377,7 @@ def table_files(stars: Sequence[Star]) -> list[str]:
     ]
 
 
-def plot_torque(path: Path, samples: FloatArray, harmonics: Harmonics) -> None:
+def plot_torque(path: Path, samples: Array, harmonics: Harmonics) -> None:
     """Plot torque samples with the sum of the harmonics, and the amplitudes by order."""
     whole = harmonics.orders.size == harmonics.samples // 2
     summed = "sum of all harmonics" if whole else f"sum up to order {harmonics.orders[-1]:g}"
@@ -389,7 +388,7 @@ def plot_torque(path: Path, samples: FloatArray, harmonics: Harmonics) -> None:
         )
 
 
-def _uncancelled(harmonics: Harmonics) -> NDArray[np.bool_]:
+def _uncancelled(harmonics: Harmonics) -> Flags:
     """Return which harmonics exceed the round-off of orders in which all cylinders cancel."""
     return harmonics.amplitude >= CANCELLED * max(
         float(np.max(harmonics.amplitude)), abs(harmonics.mean)

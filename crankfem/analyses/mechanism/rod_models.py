@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.results import Internal, Number, Part, Quantity, Result, result
 from crankbase.table import SI, Column, OutputUnits, Table, format_names
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
@@ -14,7 +14,7 @@ from dynamics.engine import ROD_MODELS, RodModelName
 from dynamics.engine.forces import LoadDiagram, MechanismForces, crankpin_loads, mechanism_forces
 from dynamics.engine.layout import EngineLayout
 
-Shares = Annotated[FloatArray, Quantity("1")]
+Shares = Annotated[Array, Quantity("1")]
 Degrees = Annotated[float, Quantity("deg")]
 Kilogram = Annotated[float | None, Quantity("kg")]
 # Shares below this are round-off.
@@ -74,10 +74,10 @@ class ModelDifference(Result):
     first: Internal[LoadDiagram]
     second: Internal[LoadDiagram]
     piston_area: Annotated[float, Quantity("m^2", "of the piston above the crankpin")]
-    side_change: Internal[FloatArray]
+    side_change: Internal[Array]
 
     @property
-    def force_changes(self) -> dict[str, FloatArray]:
+    def force_changes(self) -> dict[str, Array]:
         """T and Z of the crankpin and N of the piston above it: second model less first, (m,) [N]."""
         crankpin = self.second.in_crank_frame - self.first.in_crank_frame
         return {"tangential": crankpin.imag, "radial": -crankpin.real, "side": self.side_change}
@@ -88,17 +88,17 @@ class ModelDifference(Result):
         return self.first.name
 
     @property
-    def shaft_angles_deg(self) -> Annotated[FloatArray, Quantity("deg")]:
+    def shaft_angles_deg(self) -> Annotated[Array, Quantity("deg")]:
         """Of the following, shape (m,)."""
         return self.first.angles_deg
 
     @property
-    def sizes(self) -> Annotated[tuple[FloatArray, FloatArray], Quantity("N")]:
+    def sizes(self) -> Annotated[tuple[Array, Array], Quantity("N")]:
         """Sizes of the force by both models."""
         return self.first.magnitude, self.second.magnitude
 
     @property
-    def change(self) -> FloatArray:
+    def change(self) -> Array:
         """Size of the force by the second model minus that by the first, shape (m,) [N].
 
         Zero if it is round-off of the largest force.
@@ -191,7 +191,7 @@ class ModelDifference(Result):
         )
 
 
-def _largest(shares: FloatArray) -> int:
+def _largest(shares: Array) -> int:
     return int(np.argmax(np.abs(shares)))
 
 

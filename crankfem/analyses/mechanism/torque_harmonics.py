@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Quantity, Result, result
 from crankbase.sentences import amount, kept
@@ -32,7 +32,7 @@ def harmonics_table(
     harmonics: Spectrum,
     title: str = "Harmonics",
     units: OutputUnits = SI,
-    residuals: Mapping[str, FloatArray] = MappingProxyType({}),
+    residuals: Mapping[str, Array] = MappingProxyType({}),
 ) -> Table:
     """Return orders, coefficients, amplitudes [N m] and phases, with residuals [N m] by name."""
     shown = table_unit(harmonics.amplitude, "N m", units)
@@ -50,7 +50,7 @@ def harmonics_table(
     )
 
 
-def _columns(harmonics: Spectrum) -> tuple[FloatArray, ...]:
+def _columns(harmonics: Spectrum) -> tuple[Array, ...]:
     return harmonics.orders, harmonics.cosine, harmonics.sine, harmonics.amplitude
 
 
@@ -62,7 +62,7 @@ def _csv_rows(name: str, harmonics: Spectrum) -> list[list[object]]:
 
 
 def finite_sums(
-    degrees: FloatArray, torque: FloatArray, strokes: int, highest: float
+    degrees: Array, torque: Array, strokes: int, highest: float
 ) -> Iterator[list[object]]:
     """Return the auxiliary table of the finite sums: names, a row for each sample, their sums.
 
@@ -179,8 +179,8 @@ class TableHarmonics(Result):
     harmonics: Flat[Harmonics]
     table: Annotated[str | None, Quantity(left_out=True)] = None
     source: Annotated[str | None, Quantity(left_out=True)] = None
-    residual_rms: Annotated[FloatArray | None, Quantity("N m", left_out=True)] = None
-    residual_largest: Annotated[FloatArray | None, Quantity("N m", left_out=True)] = None
+    residual_rms: Annotated[Array | None, Quantity("N m", left_out=True)] = None
+    residual_largest: Annotated[Array | None, Quantity("N m", left_out=True)] = None
     cylinders: Annotated[SummedCylinders | None, Quantity(left_out=True)] = None
     remarks: Annotated[tuple[str, ...] | None, Quantity(left_out=True)] = None
 

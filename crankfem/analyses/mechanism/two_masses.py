@@ -8,7 +8,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Flat, Number, Quantity, Result, Speed, result
@@ -27,7 +27,7 @@ from dynamics.harmonics import Harmonics, read_torque_table
 from dynamics.wording import speed_range
 
 NewtonMeter = Annotated[float, Quantity("N m")]
-NewtonMeters = Annotated[FloatArray, Quantity("N m")]
+NewtonMeters = Annotated[Array, Quantity("N m")]
 # Of the largest exciting torque; below are cylinders that cancel each other.
 LEAST_SHARE = 1e-9
 
@@ -113,9 +113,9 @@ class ShaftTorque(Result):
     """Torque in the shaft at one speed by the cylinders' harmonics, without damping; inf at resonance."""
 
     speed: Speed
-    orders: Annotated[FloatArray, Quantity("1")]
+    orders: Annotated[Array, Quantity("1")]
     exciting: NewtonMeters
-    magnification: Annotated[FloatArray, Quantity("1")]
+    magnification: Annotated[Array, Quantity("1")]
     torque: NewtonMeters
 
     def table(self, units: OutputUnits) -> Table:

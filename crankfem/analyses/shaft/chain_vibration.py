@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.quantity import percent
 from crankbase.results import Hertz, Internal, Part, Quantity, Result, result
 from crankbase.table import Column, Table
@@ -54,17 +54,17 @@ class ChainVibration(Result):
         return self.chain.elements
 
     @cached_property
-    def inertia(self) -> Annotated[FloatArray, Quantity(".inertia_unit")]:
+    def inertia(self) -> Annotated[Array, Quantity(".inertia_unit")]:
         """Of the nodes."""
         return self.chain.inertia
 
     @cached_property
-    def stiffness(self) -> Annotated[FloatArray, Quantity(".stiffness_unit")]:
+    def stiffness(self) -> Annotated[Array, Quantity(".stiffness_unit")]:
         """Of the elements."""
         return self.chain.stiffness
 
     @cached_property
-    def ground(self) -> Annotated[FloatArray, Quantity(".stiffness_unit")]:
+    def ground(self) -> Annotated[Array, Quantity(".stiffness_unit")]:
         """Stiffness of the nodes to ground."""
         return self.chain.ground
 

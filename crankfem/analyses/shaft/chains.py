@@ -4,8 +4,9 @@ from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.quantity import UNITS, VIBRATING, significant, unit_symbol
 from crankbase.sentences import amount, finished
@@ -30,9 +31,6 @@ from geometry.mass import cylinder_mass_properties
 
 # Points of the mean torque of the load over the speed, linear between.
 TORQUES_OVER_SPEED = 241
-
-
-Array = NDArray[np.float64]
 
 
 def engine_axial_chain(

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
 from crankbase.sentences import angle, listed
@@ -245,7 +245,7 @@ GIVEN = "given"
 NO_NEIGHBOR_DEG = 180.0
 
 # Source to the compliance of each throw, and how it was used.
-Sources = dict[str, tuple[NDArray[np.float64], str]]
+Sources = dict[str, tuple[Array, str]]
 
 
 def compliances_in_shaft(
@@ -306,7 +306,7 @@ def _fitted_sources(
     analysis: Analyses,
     model: "ComplianceModel | None",
     quantity: str,
-    in_shaft: NDArray[np.float64],
+    in_shaft: Array,
 ) -> Sources:
     """Compliances by finite elements, and by the equations and the law fitted to them."""
     each = crank_analyses(engine_file, analysis)
@@ -332,10 +332,10 @@ def _fitted_sources(
 
 def _looked_up(
     name: str,
-    ratios: NDArray[np.float64],
+    ratios: Array,
     engine_file: EngineFile,
     look_up: "Callable[[], Mapping[CrankThrow, Lookup | LawAnswer]]",
-) -> tuple[NDArray[np.float64], str]:
+) -> tuple[Array, str]:
     """Looked-up values of each throw in the shaft; NaN where a throw has none."""
     try:
         values = look_up()

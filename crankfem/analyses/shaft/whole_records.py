@@ -5,14 +5,14 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.results import Flat, Quantity, Result, result
 from crankfem.files.engine.engine_file import EngineFile
 from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances
 from geometry.mass import Unbalance, unbalance
 
-Ratios = Annotated[FloatArray, Quantity("1")]
+Ratios = Annotated[Array, Quantity("1")]
 
 
 @result("compliances", "axial_beside_pinned", "torsional_beside_pinned")

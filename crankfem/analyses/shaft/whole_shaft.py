@@ -9,14 +9,14 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.choices import check_choice, check_not_given
 from crankbase.errors import InputError
-from crankbase.frames import table_of
+from crankbase.frames import Axes, table_of
 from crankbase.quantity import UNBOUNDED, percent
 from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.sentences import amount, finished
@@ -57,15 +57,11 @@ from dynamics.response.order_excitation import OrderExcitation
 from fem.modes import DynamicSuperelement
 from geometry.throw import CrankThrow
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
 # Share of critical damping that belongs to the assumed magnifier.
 ASSUMED_RATIO = 0.5 / DEFAULT_MAGNIFIER
 
 
-def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> FloatArray:
+def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> Array:
     """Return the damping of engine and shaft by modes: that of the chains, by the kind of motion.
 
     Returns
@@ -181,7 +177,7 @@ class WholeShaft(Result):
     crankshaft: Internal[CrankshaftSystem]
     highest_frequency: Hertz
     exciting_frequency: Internal[float]
-    rotation_ratios: Internal[FloatArray]
+    rotation_ratios: Internal[Array]
     remarks: tuple[str, ...]
 
     @property
@@ -210,8 +206,8 @@ class WholeShaft(Result):
         return FirstBending(float(self.modes.frequencies[first]), float(ratio))
 
     def plot(
-        self, axes: "Axes | None" = None, *, mode: int | None = None, radius: float | None = None
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, mode: int | None = None, radius: float | None = None
+    ) -> Axes:
         """Draw the shape of one mode; see `ShaftModes.plot`."""
         return self.modes.plot(axes, mode=mode, radius=radius)
 
@@ -295,11 +291,11 @@ class ShaftComparison(Result):
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         show: Literal["causes", "axial", "torsional"] = "causes",
         point: str | None = None,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the whole shaft's vibration over the speed, by its causes or with a chain's.
 
         Parameters
@@ -436,7 +432,7 @@ def not_comparable(engine_file: EngineFile) -> str:
 
 
 def propeller_on_shaft(
-    engine_file: EngineFile, whole: WholeShaft, speeds: FloatArray
+    engine_file: EngineFile, whole: WholeShaft, speeds: Array
 ) -> OrderExcitation | None:
     """Return the varying torque and thrust of a propeller on the shaft line; None without any."""
     propeller_forces, lines = engine_file.propeller_forces, engine_file.shaft_lines

@@ -12,9 +12,8 @@ from itertools import islice
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array, Integers
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.frames import DataFrame, Row, table_of
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
@@ -56,11 +55,11 @@ class Candidate:
     bound: float
     speed: float
     cylinders: Cylinders
-    angles: FloatArray
-    amplitudes: FloatArray  # (m, 12)
+    angles: Array
+    amplitudes: Array  # (m, 12)
 
 
-def _history(site: StressedSite, nodes: NDArray[np.int64], amplitudes: FloatArray) -> FloatArray:
+def _history(site: StressedSite, nodes: Integers, amplitudes: Array) -> Array:
     """Stresses (nodes, ..., m, 3) of amplitudes (..., m, 12)."""
     stress = site.stress[nodes]
     flat = amplitudes.reshape(-1, amplitudes.shape[-1]) @ np.moveaxis(stress, 1, 0).reshape(
@@ -69,7 +68,7 @@ def _history(site: StressedSite, nodes: NDArray[np.int64], amplitudes: FloatArra
     return np.moveaxis(flat.reshape(*amplitudes.shape[:-1], len(stress), 3), -2, 0)
 
 
-def _apart(site: StressedSite, values: FloatArray) -> Iterator[int]:
+def _apart(site: StressedSite, values: Array) -> Iterator[int]:
     """Return nodes of a site with the largest values first, none next to one that came before."""
     left = values.copy()
     while np.any(left > 0.0):
@@ -80,7 +79,7 @@ def _apart(site: StressedSite, values: FloatArray) -> Iterator[int]:
 
 
 def find_candidates(
-    site: StressedSite, loads: CycleLoads, throw: int, amplitudes: FloatArray, factor: float
+    site: StressedSite, loads: CycleLoads, throw: int, amplitudes: Array, factor: float
 ) -> Iterator[Candidate]:
     """Return the speeds at which the bound of a site is highest among its neighbors."""
     count = len(loads.speeds)

@@ -12,7 +12,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
@@ -143,7 +143,7 @@ def shaft_loads(vibration: EngineVibration) -> ShaftLoads:
 
 def judged_speeds(
     vibration: EngineVibration,
-) -> tuple[NDArray[np.bool_], tuple[tuple[float, float], ...]]:
+) -> tuple[Flags, tuple[tuple[float, float], ...]]:
     """Return which speeds of the forced vibration are running ones that are not barred, and the ranges."""
     file, forced = vibration.engine_file, vibration.forced_torsional
     assert forced is not None
@@ -173,7 +173,7 @@ def superposition(vibration: EngineVibration) -> Superposition:
     )
 
 
-def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:
+def _amplitude(file: EngineFile, series: OrderSeries) -> Array:
     """Sum the orders that the rule counts, (S, p)."""
     counted = series.orders <= HIGHEST_ORDER[file.engine.strokes]
     return synthesis(
@@ -181,7 +181,7 @@ def _amplitude(file: EngineFile, series: OrderSeries) -> FloatArray:
     ).amplitude
 
 
-def _largest(values: FloatArray, speeds: FloatArray, case: Cylinders) -> LargestLoad:
+def _largest(values: Array, speeds: Array, case: Cylinders) -> LargestLoad:
     place = int(np.argmax(values))
     return LargestLoad(float(values[place]), float(speeds[place]), case)
 
@@ -242,10 +242,10 @@ class CycleLoads:
     """
 
     cylinders: Cylinders
-    speeds: FloatArray
-    angles: FloatArray
-    ends: FloatArray
-    pins: FloatArray
+    speeds: Array
+    angles: Array
+    ends: Array
+    pins: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,10 +263,10 @@ class ShaftUnderForces:
     """
 
     throws: tuple[Superelement, ...]
-    angles: FloatArray
+    angles: Array
     bearings: float
 
-    def end_loads(self, pins: FloatArray, torques: FloatArray, axial: FloatArray) -> FloatArray:
+    def end_loads(self, pins: Array, torques: Array, axial: Array) -> Array:
         """Return the loads on the ends of every throw, in its own frame, (n, ..., 12).
 
         Parameters
@@ -318,7 +318,7 @@ class ShaftUnderForces:
 
 def cycle_loads(
     vibration: EngineVibration,
-    speeds: FloatArray,
+    speeds: Array,
     cases: Iterable[Cylinders],
 ) -> Iterator[CycleLoads]:
     """Return the loads of every throw over the cycle, for each case of firing.
@@ -372,7 +372,7 @@ def _case(
     angles = np.arange(0.0, period - 1e-9, np.radians(STEP_DEG))
     count = len(shaft.throws)
 
-    def over_cycle(values: OrderSeries | NDArray[np.complex128], orders: FloatArray) -> FloatArray:
+    def over_cycle(values: OrderSeries | NDArray[np.complex128], orders: Array) -> Array:
         phasors = values.values if isinstance(values, OrderSeries) else values
         return np.asarray(np.moveaxis(at_angles(orders, phasors, angles), 0, 1))  # (S, m, p)
 

@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import compress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.diagrams import (
     BLUE,
     GRAY,
@@ -29,6 +29,7 @@ from crankbase.diagrams import (
     math_symbol,
     write_title,
 )
+from crankbase.frames import Axes
 from crankfem.analyses.study.nominal_throw import factor_sweep, sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from regression.fits.fit import Fit
@@ -43,10 +44,6 @@ from regression.plots import (
     response_text,
 )
 from regression.runs.study_table import StudyTable
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 # Beside the chosen form these are drawn, as far as they were fitted, to compare it with.
 COMPARED = ("linear", "quadratic", "power law", "log-quadratic", "log-cubic", "group quadratic")
@@ -131,7 +128,7 @@ def parity_diagrams(
     name = math_symbol(response.symbol)
     x, tip = Limits(f"{name} by FE [{shown}]"), f"{symbol} by FE %{{x:.5g}}{unit}<br>"
 
-    def dots(y: NDArray[np.float64], hover: str) -> list[Dots]:
+    def dots(y: Array, hover: str) -> list[Dots]:
         return design_dots(by_fe / size, y, table.held_out, tip + hover, texts)
 
     return (
@@ -159,7 +156,7 @@ def parity_title(response: ResponseFits, fit: Fit) -> str:
 
 
 def draw_fit_elasticities(
-    axes: "Axes", table: StudyTable, response: ResponseFits, known: Sensitivities
+    axes: Axes, table: StudyTable, response: ResponseFits, known: Sensitivities
 ) -> None:
     """Draw the elasticities of a response at the nominal throw as bars; a choice has none."""
     slopes = [known.elasticity.get(name) for name in table.plan.names]
@@ -178,7 +175,7 @@ def draw_fit_elasticities(
     axes.margins(x=0.22)
 
 
-def draw_fit_sobol(axes: "Axes", names: Sequence[str], known: Sensitivities) -> None:
+def draw_fit_sobol(axes: Axes, names: Sequence[str], known: Sensitivities) -> None:
     """Draw factors' shares of the variance over the ranges: Sobol indices, alone and with others.
 
     Under constraints Shapley effects, which add up to 1; nothing without either.

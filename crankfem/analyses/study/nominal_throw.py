@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags
 from crankfem.analyses.study.response_fits import ResponseFits, predicted, surface
 from geometry.throw import CrankThrow
 from regression.fits.fit import Fit
@@ -25,8 +25,6 @@ from regression.plans.factors import Factor, field_value
 from regression.plans.plan import StudyPlan
 from regression.runs.study_table import StudyTable
 from regression.throw_values import format_value, same_dimension, throw_values
-
-Array = NDArray[np.float64]
 
 # Of a factor's range: designs nearer to each other are the same.
 SAME = 1e-6
@@ -132,7 +130,7 @@ def moved(section: Array, place: int, values: Array) -> Array:
     return points
 
 
-def same_designs(table: StudyTable, points: Array) -> NDArray[np.bool_]:
+def same_designs(table: StudyTable, points: Array) -> Flags:
     """Return which designs of a table (n, k) are the points (n, k)."""
     spans = np.array([factor.highest - factor.lowest for factor in table.plan.factors])
     return np.asarray(np.all(np.abs(table.values - points) <= SAME * spans, axis=1))
@@ -158,7 +156,7 @@ class FactorSweep:
     values: Array
     curves: list[Array]
     results: Array
-    on_line: NDArray[np.bool_]
+    on_line: Flags
 
 
 def factor_sweep(

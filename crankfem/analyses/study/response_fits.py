@@ -3,14 +3,15 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.choices import check_choice, check_not_given
 from crankbase.diagrams import display_unit, draw_rows, math_symbol, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.frames import Axes
 from crankbase.frames import table as frame
 from crankbase.results import Internal, Number, Quantity, Result, result
 from fem.responses import RESPONSES
@@ -35,12 +36,6 @@ from regression.plots import draw_effects
 from regression.records import MEASURED, RUN
 from regression.response_kinds import SUPPORTS, response_scale
 from regression.runs.study_table import StudyTable, throw_dimensions
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-Array = NDArray[np.float64]
 
 # Of a slope's row of least squares, at least; that of a value has 1.
 LEAST_WEIGHT = 0.1
@@ -156,11 +151,11 @@ class ResponseFits(Result):
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         show: Literal["errors", "effects"] = "errors",
         form: str | None = None,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the held-out error of every form, or the effects of one.
 
         Diagrams that need the designs too, such as parity, are in `StudyResult.plot`.
@@ -196,7 +191,7 @@ class ResponseFits(Result):
         write_title(axes, f"Forms fitted to {self.response.replace('_', ' ')}")
         return axes
 
-    def _draw_effects(self, axes: "Axes", fit: Fit) -> None:
+    def _draw_effects(self, axes: Axes, fit: Fit) -> None:
         """Draw the coded coefficients of a fit in the order of their size (Pareto)."""
         names, values = term_effects(fit.fitted)
         if fit.fitted.logarithmic:

@@ -2,19 +2,20 @@
 
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Flags
 from crankbase.choices import check_choice, check_not_given, is_whole_within
 from crankbase.diagrams import draw_diagram, legend_inside, new_axes, write_title
 from crankbase.errors import InputError, MeshError, visible
+from crankbase.frames import Axes
 from crankbase.outputs import atomic_file, check_output, is_listed, write_errors
 from crankbase.results import Result, result
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from crankfem.analyses.study.fit_plots import (
     draw_fit_elasticities,
     draw_fit_sobol,
@@ -50,12 +51,6 @@ from regression.records import content_key
 from regression.runs.exchange import Column, columns, write_csv
 from regression.runs.study import Progress, add_runs, run_plan
 from regression.runs.study_table import StudyTable, study_table
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-Array = NDArray[np.float64]
 
 MOST_ADDED = 1000
 # Places among which further runs are chosen; the stream of random numbers that they are drawn from.
@@ -119,11 +114,11 @@ def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: in
     variants = plan.variants()
     present = {row.values for row in table.rows}
 
-    def possible(points: Array) -> NDArray[np.bool_]:
+    def possible(points: Array) -> Flags:
         values = values_at(factors, points)
         made = [variant.throw is not None for variant in variants.at(values)]
         new = [tuple(row) not in present for row in values.tolist()]
-        usable: NDArray[np.bool_] = np.array(made) & np.array(new)
+        usable: Flags = np.array(made) & np.array(new)
         return usable
 
     feasible = None
@@ -170,8 +165,7 @@ SHOWN: tuple[Shown, ...] = ("parity", "response", "effects", "elasticities", "so
 OF_A_FORM: tuple[Shown, ...] = ("parity", "effects")
 
 
-@summarized("study: table.plan.key", "designs: table.values", "fits", keeps_text=True)
-@dataclass(frozen=True)
+@frozen("study: table.plan.key", "designs: table.values", "fits")
 class StudyResult:
     """A study's table, its fits by response, and the model of the chosen ones."""
 
@@ -188,13 +182,13 @@ class StudyResult:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         response: str | None = None,
         show: Shown = "parity",
         factor: str | None = None,
         form: str | None = None,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw one diagram of one response.
 
         Parameters

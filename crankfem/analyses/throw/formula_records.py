@@ -3,11 +3,11 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray, positive_number
+from crankbase.array_checks import Array, positive_number
 from crankbase.diagrams import (
     ALL_ORDERS,
     Diagram,
@@ -20,6 +20,7 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
+from crankbase.frames import Axes
 from crankbase.quantity import percent
 from crankbase.results import Flat, InItsUnit, Internal, Number, Quantity, Result, result
 from crankfem.analyses.throw.law_record import LAW, LawAnswer, law_results
@@ -35,10 +36,6 @@ from regression.formulas.case import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.response_model import ResponseModel
 from regression.plots import draw_formula_bars
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 MetrePerNewton = Annotated[float, Quantity("m/N")]
 Kind = Literal["axial", "torsional"]
@@ -340,8 +337,8 @@ class CompliancesOverAngle(Result):
     The formulas have None where they give no compliance above zero.
     """
 
-    gamma_deg: Annotated[FloatArray, Quantity("deg")]
-    fe: Annotated[FloatArray, Quantity("m/N")]
+    gamma_deg: Annotated[Array, Quantity("deg")]
+    fe: Annotated[Array, Quantity("m/N")]
     formulas: Annotated[Mapping[str, tuple[float | None, ...]], Quantity("m/N")]
     law: AngleNumbers | None
 
@@ -461,10 +458,10 @@ NANO = 1e9
 
 def plot_formulas(
     found: Mapping[str, FormulaValue],
-    axes: "Axes | None" = None,
+    axes: Axes | None = None,
     *,
     finite_elements: float | None = None,
-) -> "Axes":
+) -> Axes:
     """Draw the values of the published formulas for one throw, a bar for each.
 
     Parameters
@@ -504,11 +501,11 @@ def plot_formulas(
 
 def plot_formulas_over_angle(
     throw: CrankThrow,
-    axes: "Axes | None" = None,
+    axes: Axes | None = None,
     *,
     analysis: ThrowAnalysis | None = None,
     material: Material = STEEL,
-) -> "Axes":
+) -> Axes:
     """Draw the published formulas of the axial compliance over the angle between neighboring cranks.
 
     Parameters
@@ -533,7 +530,7 @@ def plot_formulas_over_angle(
     return _draw(axes, described, "Published formulas over the angle")
 
 
-def plot_run_formulas(results: Result | Mapping[str, Any], axes: "Axes | None" = None) -> "Axes":
+def plot_run_formulas(results: Result | Mapping[str, Any], axes: Axes | None = None) -> Axes:
     """Draw finite elements and formulas over the angle between cranks, from the results of a run.
 
     Parameters
@@ -559,7 +556,7 @@ def plot_run_formulas(results: Result | Mapping[str, Any], axes: "Axes | None" =
     return _draw(axes, described, "Axial compliance over the angle")
 
 
-def _draw(axes: "Axes | None", described: Diagram, title: str) -> "Axes":
+def _draw(axes: Axes | None, described: Diagram, title: str) -> Axes:
     axes = new_axes(axes)
     draw_diagram(axes, described)
     axes.legend(
@@ -570,9 +567,9 @@ def _draw(axes: "Axes | None", described: Diagram, title: str) -> "Axes":
 
 
 def formulas_over_angle(
-    gammas: FloatArray,
-    formulas: Mapping[str, FloatArray],
-    fe: FloatArray | None = None,
+    gammas: Array,
+    formulas: Mapping[str, Array],
+    fe: Array | None = None,
     bounds: Mapping[str, float] | None = None,
 ) -> Diagram:
     """Describe the axial compliance over the angle between neighboring cranks.

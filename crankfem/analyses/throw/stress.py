@@ -8,7 +8,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.quantity import percent
 from crankbase.results import Number, Quantity, Result, made_from, result
@@ -115,8 +115,8 @@ LOAD = 1000.0
 
 
 StressPerLoad = Annotated[float, Quantity(".stress_unit")]
-Stresses = Annotated[FloatArray, Quantity(".stress_unit")]
-Place = Annotated[FloatArray, Quantity("m")]
+Stresses = Annotated[Array, Quantity(".stress_unit")]
+Place = Annotated[Array, Quantity("m")]
 
 
 @result("name", "factor")
@@ -388,7 +388,7 @@ def _stress_per_load(unit: str, units: OutputUnits) -> OutputUnit:
     )
 
 
-def _place(place: FloatArray, length: OutputUnit) -> str:
+def _place(place: Array, length: OutputUnit) -> str:
     values = [value / length.size for value in place]
     digits = 2 if length.wished else 1
     return " ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)

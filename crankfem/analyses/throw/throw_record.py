@@ -7,7 +7,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.choices import check_choice
 from crankbase.diagrams import COLORS, figure, legend_below, write_title
 from crankbase.errors import InputError, MeshError
@@ -117,10 +117,10 @@ class ThrowResults(Result):
     radial_force: Newton
     pin_force: Annotated[tuple[float, float, float], Quantity("N", "on the first pin")]
     mass: Annotated[float, Quantity("kg")]
-    center_of_mass: Annotated[FloatArray, Quantity("m")]
-    inertia: Annotated[FloatArray, Quantity("kg m^2", "about the center of mass")]
-    stiffness: Annotated[FloatArray, Quantity(".stiffness_units")]
-    stiffness_error: Annotated[FloatArray, Quantity(".stiffness_units")]
+    center_of_mass: Annotated[Array, Quantity("m")]
+    inertia: Annotated[Array, Quantity("kg m^2", "about the center of mass")]
+    stiffness: Annotated[Array, Quantity(".stiffness_units")]
+    stiffness_error: Annotated[Array, Quantity(".stiffness_units")]
     stiffness_units: Mapping[str, tuple[str, ...]]
     inertia_about_shaft: Annotated[float, Quantity("kg m^2")]
     unbalance: Unbalance

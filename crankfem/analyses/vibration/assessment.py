@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
-from crankbase.frames import table_of
+from crankbase.array_checks import Array
+from crankbase.frames import Axes, table_of
 from crankbase.quantity import percent
 from crankbase.results import (
     Flat,
@@ -81,8 +81,6 @@ from dynamics.response.series import synthesis
 from dynamics.wording import conclusion_sentences
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from regression.models.compliance_model import ComplianceModel
 
 
@@ -527,12 +525,12 @@ class Assessment(Result):
         """The conclusion, sentence by sentence: the first states it, the others why."""
         return conclusion_sentences(self.verdict.sentences, self.decision.reasons, self.undecided)
 
-    def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
+    def limit_curve(self, name: str, speeds: Array) -> dict[str, Array]:
         """Return a limit over speeds [rad/s] with its name in a legend; empty if there is none."""
         limit = self.limits.get(name)
         return {} if limit is None else {"limit": limit.continuous.at(speeds)}
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the use of each limit over the speed; see `Verdict.plot`."""
         return self.verdict.plot(axes)
 
@@ -715,7 +713,7 @@ def _peak(
     engine_file: EngineFile,
     forced: ForcedVibration,
     spreads: Sequence[Spread],
-    factors: FloatArray,
+    factors: Array,
 ) -> float:
     """Largest amplitude of the free end at running speeds with factors (p,) of p spreads."""
     chain = scaled_chain(forced.engine_chain.chain, spreads, factors)

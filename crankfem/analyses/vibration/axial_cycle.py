@@ -5,7 +5,7 @@ from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
 from crankfem.analyses.vibration.chain_answers import EngineChains
@@ -167,7 +167,7 @@ def axial_forces(
     )
 
 
-def axial_cycle_columns(cycle: AxialForceOverCycle) -> tuple[dict[str, FloatArray], str]:
+def axial_cycle_columns(cycle: AxialForceOverCycle) -> tuple[dict[str, Array], str]:
     """Return all forces over the shaft angle, and a description."""
     return cycle.columns(), (
         f"axial forces over the cycle at {cycle.speed * RPM:.10g} 1/min: on the thrust bearing with "
@@ -175,7 +175,7 @@ def axial_cycle_columns(cycle: AxialForceOverCycle) -> tuple[dict[str, FloatArra
     )
 
 
-def _extremes(cycle: AxialForceOverCycle, force: FloatArray) -> Extremes:
+def _extremes(cycle: AxialForceOverCycle, force: Array) -> Extremes:
     """Return those between the samples too, from which all orders of a force follow."""
     mean, *phasors = np.fft.rfft(force) / force.size
     turns = force.size * (cycle.shaft_angles_deg[1] - cycle.shaft_angles_deg[0]) / 360.0
@@ -190,9 +190,7 @@ def _extremes(cycle: AxialForceOverCycle, force: FloatArray) -> Extremes:
     return Extremes(*np.column_stack((values, degrees)).reshape(-1).tolist())
 
 
-def _largest(
-    speeds: FloatArray, amplitude: FloatArray, running: tuple[float, float]
-) -> LargestForce | None:
+def _largest(speeds: Array, amplitude: Array, running: tuple[float, float]) -> LargestForce | None:
     inside = np.flatnonzero(within(speeds, *running))
     worst = int(inside[np.argmax(amplitude[inside])])
     if not np.isfinite(amplitude[worst]):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.frames import table
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankfem.analyses.shaft.sources import compliances_in_shaft
@@ -75,7 +75,7 @@ class HeldChains:
         return vibration.chosen.chain
 
 
-Frequencies: TypeAlias = Annotated[dict[str, FloatArray], Quantity("Hz", missing=math.nan)]
+Frequencies: TypeAlias = Annotated[dict[str, Array], Quantity("Hz", missing=math.nan)]
 
 
 @result("stiffness", "chains", "shaft", "used", "statuses")
@@ -109,10 +109,10 @@ class BearingSweep(Result):
 
     bearings: Internal[Bearings]
     assumed: bool
-    stiffness: Annotated[FloatArray, Quantity("N/m")]
+    stiffness: Annotated[Array, Quantity("N/m")]
     chains: Frequencies
     shaft: Frequencies
-    used: Annotated[dict[str, FloatArray], Quantity("1")]
+    used: Annotated[dict[str, Array], Quantity("1")]
     statuses: tuple[Status, ...]
     further: Frequencies = field(default_factory=dict)
     beyond: Internal[tuple[str, ...]] = ()
@@ -328,7 +328,7 @@ def _followed(
     chains: Sequence[EngineChain],
     nominal: int,
     first: int | None,
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Array, Array]:
     """Frequencies of the whole crankshaft's modes like the chain's first one, followed by shape [Hz]."""
     rigid = modes[0].rigid
     follow = followed_modes(shafts[0].mass, [mode.shapes[:, rigid:] for mode in modes])

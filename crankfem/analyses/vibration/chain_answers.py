@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.results import Internal
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.vibration.engine_excitation import (
@@ -132,7 +132,7 @@ class EngineChains:
                 sections[element] = min(joined)
         return sections
 
-    def at(self, harmonics: CylinderHarmonics, speeds: FloatArray) -> Answers:
+    def at(self, harmonics: CylinderHarmonics, speeds: Array) -> Answers:
         """Return the axial and the torsional vibration at speeds [rad/s], ascending."""
         return self.answers(forces_over_speeds(self.engine_file, harmonics, speeds))
 

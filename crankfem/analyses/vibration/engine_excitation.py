@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankfem.analyses.engine_mechanism import (
     full_load_only,
@@ -74,7 +74,7 @@ POINTS = 150
 # Speeds within this share of each other are one.
 SAME_SPEED = 1e-9
 
-Frequencies = Sequence[float] | NDArray[np.float64]
+Frequencies = Sequence[float] | Array
 
 
 def engine_harmonics(
@@ -147,11 +147,11 @@ def failing_harmonics(
 
 def calculated_speeds(
     engine_file: EngineFile,
-    orders: NDArray[np.float64],
+    orders: Array,
     chains: Sequence[DampedChain],
     further: Frequencies = (),
     above_rated: float = ABOVE_RATED,
-) -> NDArray[np.float64]:
+) -> Array:
     """Return speeds that include every resonance, kinks of limits and ends of assessed ranges.
 
     Parameters
@@ -185,7 +185,7 @@ def calculated_speeds(
     return merged_speeds(speeds, [min(end, high) for end in ends if within(end, low, high)])
 
 
-def merged_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float64]:
+def merged_speeds(speeds: Frequencies, others: Frequencies) -> Array:
     """Return speeds with others added, ascending; nearly equal ones are dropped."""
     known = np.asarray(speeds, dtype=np.float64)
     added = np.unique(np.asarray(others, dtype=np.float64))
@@ -195,7 +195,7 @@ def merged_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float6
 
 
 def forces_over_speeds(
-    engine_file: EngineFile, harmonics: CylinderHarmonics, speeds: NDArray[np.float64]
+    engine_file: EngineFile, harmonics: CylinderHarmonics, speeds: Array
 ) -> CylinderForces:
     """Return the forces of the cylinders at speeds [rad/s].
 
@@ -319,7 +319,7 @@ def with_propeller(
 def compared_axial_forces(
     engine_file: EngineFile,
     forces: CylinderForces,
-    compliances: NDArray[np.float64],
+    compliances: Array,
     shaft: ShaftCompliances,
     analysis: Analyses,
 ) -> AxialForceComparison:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
 from crankbase.sentences import capital
 from crankbase.table import SI, Column, OutputUnits, Table
@@ -76,11 +76,11 @@ class EngineLoad(Result):
 
     law: str
     given: bool
-    speeds: Internal[FloatArray]
-    power: Internal[FloatArray]
-    mean_pressure: Internal[FloatArray]
-    peak_pressure: Internal[FloatArray]
-    intake_pressure: Internal[FloatArray | None]
+    speeds: Internal[Array]
+    power: Internal[Array]
+    mean_pressure: Internal[Array]
+    peak_pressure: Internal[Array]
+    intake_pressure: Internal[Array | None]
     friction_pressure: Internal[float]
     rated: EnginePower
 
@@ -234,7 +234,7 @@ def engine_load(engine_file: EngineFile) -> EngineLoad:
 
 
 def pressures_of_cylinders(
-    engine_file: EngineFile, speeds: FloatArray
+    engine_file: EngineFile, speeds: Array
 ) -> Sequence[tuple[GasPressure, ...]]:
     """Return the pressure in each cylinder at each speed."""
     section, engine = engine_file.gas_map, engine_file.engine

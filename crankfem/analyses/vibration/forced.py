@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array, Flags
 from crankbase.choices import check_choice, check_not_given
 from crankbase.diagrams import write_title
 from crankbase.errors import InputError
@@ -116,8 +116,8 @@ class FreeEnd(Result):
 
     node: str
     unit: str
-    synthesis: Annotated[FloatArray, Quantity(".unit", "all orders over the cycle")]
-    plain_sum: Annotated[FloatArray, Quantity(".unit", "of the amplitudes of all orders")]
+    synthesis: Annotated[Array, Quantity(".unit", "all orders over the cycle")]
+    plain_sum: Annotated[Array, Quantity(".unit", "of the amplitudes of all orders")]
     orders: tuple[OrderPeak, ...]
     peaks: tuple[PlacePeak, ...]
 
@@ -204,12 +204,12 @@ class ForcedVibration(ChainAnswer, Result):
         return self.response.method
 
     @cached_property
-    def orders(self) -> Annotated[FloatArray, Quantity("1")]:
+    def orders(self) -> Annotated[Array, Quantity("1")]:
         """In cycles per crankshaft revolution."""
         return self.response.orders
 
     @cached_property
-    def speeds(self) -> Annotated[FloatArray, Quantity("rad/s", exported="1/min")]:
+    def speeds(self) -> Annotated[Array, Quantity("rad/s", exported="1/min")]:
         """At which vibration is calculated [rad/s]."""
         return self.response.speeds
 
@@ -291,7 +291,7 @@ class ForcedVibration(ChainAnswer, Result):
         return checked_power_balance(self.response)
 
     @property
-    def frequencies(self) -> FloatArray:
+    def frequencies(self) -> Array:
         """Damped natural frequencies [Hz] by the number of the mode; undamped for an overdamped mode."""
         damped = self.modes.undamped.copy()
         numbered = self.modes.numbers > 0
@@ -325,7 +325,7 @@ class ForcedVibration(ChainAnswer, Result):
         )
 
     @property
-    def speed_parts(self) -> dict[str, NDArray[np.bool_]]:
+    def speed_parts(self) -> dict[str, Flags]:
         """Which speeds are "running", "below", and "above" as far as assessed."""
         speeds = self.speeds
         low, high = self.running_range
@@ -408,7 +408,7 @@ class ForcedVibration(ChainAnswer, Result):
         frame.attrs["units"] = {names.get(name, name): unit for name, unit in units.items()}
         return frame
 
-    def columns(self) -> tuple[dict[str, FloatArray], str]:
+    def columns(self) -> tuple[dict[str, Array], str]:
         """Return the amplitudes over the speed, of the free end by order and of loads, and a description."""
         free_end, loads = self.free_end, self.loads.elements
         unit = MOTION[self.kind].si
@@ -516,7 +516,7 @@ def limit_curves(
 
 
 def vibrations_at(
-    chains: EngineChains, harmonics: CylinderHarmonics, speeds: FloatArray
+    chains: EngineChains, harmonics: CylinderHarmonics, speeds: Array
 ) -> tuple[ForcedVibration, ForcedVibration]:
     """Return the axial and the torsional vibration at speeds [rad/s], without resonances."""
     file = chains.engine_file
@@ -611,9 +611,7 @@ def _speed(critical: DampedCritical) -> float:
     return critical.speed if critical.has_peak else critical.undamped_speed
 
 
-def _searched(
-    chains: EngineChains, harmonics: CylinderHarmonics
-) -> tuple[FloatArray, Answers, FloatArray]:
+def _searched(chains: EngineChains, harmonics: CylinderHarmonics) -> tuple[Array, Answers, Array]:
     """Return the grid of speeds, the answers there, and the worst speeds, closer than the grid.
 
     Those with the largest use of the limits and motion of the free ends.
@@ -624,7 +622,7 @@ def _searched(
 
     running = (file.engine.lowest_speed, file.engine.highest_speed)
 
-    def used(speeds: FloatArray) -> FloatArray:
+    def used(speeds: Array) -> Array:
         """Used shares of the limits where they apply, (curves, speeds), and free ends' amplitudes."""
         there = answers if speeds is grid else chains.at(harmonics, speeds)
         shares = [

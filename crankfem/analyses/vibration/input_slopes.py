@@ -6,14 +6,14 @@ by the slopes of their finite elements' solutions (`fem.sensitivities`).
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.diagrams import draw_rows, new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.frames import table
+from crankbase.frames import Axes, table
 from crankbase.results import Quantity, Result, Speed, result
 from crankbase.table import Column, Table
 from crankfem.analyses.shaft.chains import (
@@ -35,11 +35,6 @@ from dynamics.excitation.cylinders import CylinderHarmonics
 from fem.analysis import ThrowAnalysis
 from fem.superelement import ShaftCompliances, shaft_compliances
 from geometry.boundary_motion import STEP
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-Array = NDArray[np.float64]
 
 # Sections whose numbers are varied, besides the throws; the second ones change the forces of the cylinders.
 ELEMENTS = (
@@ -122,7 +117,7 @@ class VibrationSlopes(Result):
         mode = self.modes.get(kind, 1)
         return f"first {kind} frequency" if mode == 1 else f"frequency of {kind} mode {mode}"
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the changes of the worst limit's use, or of the first torsional frequency without a limit."""
         chosen = "torsional" if self.limit is None else "limit"
         shares = {row.field: getattr(row, chosen) for row in self.rows}

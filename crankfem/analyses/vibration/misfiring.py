@@ -6,9 +6,8 @@ from functools import cached_property, partial
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError
 from crankbase.frames import Row, table_of
 from crankbase.results import Flat, InItsUnit, Internal, Part, Quantity, Result, Speed, result
@@ -134,7 +133,7 @@ class FiringCheck(Result):
     cylinders: Annotated[Cylinders, Quantity("1")]
     misfiring: Reached
     each: Internal[Mapping[Cylinders, Reached]]
-    over_speed: Internal[tuple[FloatArray, FloatArray, FloatArray] | None] = None
+    over_speed: Internal[tuple[Array, Array, Array] | None] = None
     new: NewlyExceeded | None = None
 
     @cached_property
@@ -229,20 +228,20 @@ class FiringCheck(Result):
         return cells | {"cylinders": (wording.cylinders_named(self.cylinders), "")}
 
 
-def permitted_at(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
+def permitted_at(limit: VibrationLimit | None, speeds: Array) -> Array:
     """Return the permitted values at speeds [rad/s]; inf where none is stated, or without a limit."""
     if limit is None:
         return np.full(speeds.shape, np.inf)
     return limit.continuous.at(speeds)
 
 
-def weights(limit: VibrationLimit | None, speeds: FloatArray) -> FloatArray:
+def weights(limit: VibrationLimit | None, speeds: Array) -> Array:
     """Return the reciprocal of the permitted value at each speed; without a limit one everywhere."""
     return np.ones(speeds.shape) if limit is None else 1.0 / permitted_at(limit, speeds)
 
 
 def worst_of(
-    series: OrderSeries, limit: VibrationLimit | None, among: NDArray[np.bool_] | None = None
+    series: OrderSeries, limit: VibrationLimit | None, among: Flags | None = None
 ) -> Reached:
     """Return the worst of a quantity: where most of a limit is used, or the largest without one.
 
@@ -430,9 +429,7 @@ class Superposition:
     failing: CylinderHarmonics
     series: Callable[[EngineFile, ChainAnswer, ChainAnswer], Series] = compared_series
 
-    def at(
-        self, speeds: FloatArray, cases: Iterable[Cylinders]
-    ) -> Iterator[tuple[Cylinders, Series]]:
+    def at(self, speeds: Array, cases: Iterable[Cylinders]) -> Iterator[tuple[Cylinders, Series]]:
         """Return the series in each case; without a failing cylinder firing is normal."""
         file = self.chains.engine_file
         forces = forces_over_speeds(file, self.firing, speeds)
@@ -445,7 +442,7 @@ class Superposition:
             change = self.series(file, *self.chains.answers(missing, propeller=False))
             yield case, {key: _sum(normal[key], missed) for key, missed in change.items()}
 
-    def forces(self, speeds: FloatArray, case: Cylinders) -> CylinderForces:
+    def forces(self, speeds: Array, case: Cylinders) -> CylinderForces:
         """Return the forces of all cylinders at speeds [rad/s] in a case."""
         firing = forces_over_speeds(self.chains.engine_file, self.firing, speeds)
         if not case:
@@ -474,7 +471,7 @@ def misfiring_cases(engine_file: EngineFile) -> tuple[Cylinders, ...]:
     return tuple((number + 1,) for number in range(engine_file.engine.cylinders))
 
 
-def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
+def _misfiring(added: Superposition, speeds: Array) -> Misfiring:
     """Find the worst case of each quantity, and its speed closer than the grid."""
     file = added.chains.engine_file
     misfire, cases = file.misfire, misfiring_cases(file)
@@ -482,7 +479,7 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     each: Found = {}
     none = np.zeros(speeds.shape, dtype=bool)
     exceeded, unkept = none, none
-    kept: dict[str, NDArray[np.bool_]] = {}
+    kept: dict[str, Flags] = {}
     alone: dict[str, tuple[Reached, Cylinders]] = {}
     stresses: dict[tuple[str, Cylinders], OrderSeries] = {}
     for case, case_series in added.at(speeds, [(), *cases]):
@@ -554,9 +551,7 @@ def _misfiring(added: Superposition, speeds: FloatArray) -> Misfiring:
     )
 
 
-def _exceeded(
-    added: Superposition, cases: Sequence[Cylinders], speeds: FloatArray
-) -> NDArray[np.bool_]:
+def _exceeded(added: Superposition, cases: Sequence[Cylinders], speeds: Array) -> Flags:
     """Return at which speeds a limit is exceeded in any of the cases."""
     quantities = compared_quantities(added.chains.engine_file)
     above = np.zeros(speeds.shape, dtype=bool)
@@ -569,9 +564,9 @@ def _exceeded(
 
 
 def _crossings(
-    exceeded_at: Callable[[FloatArray], NDArray[np.bool_]],
-    speeds: FloatArray,
-    flags: NDArray[np.bool_],
+    exceeded_at: Callable[[Array], Flags],
+    speeds: Array,
+    flags: Flags,
 ) -> dict[int, float]:
     """Return the speeds at which flags change, by the index of the calculated speed before each."""
     places = np.flatnonzero(flags[1:] != flags[:-1])
@@ -635,7 +630,7 @@ def _between(
 
 def _over_speed(
     firing: OrderSeries, failing: OrderSeries, place: str
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[Array, Array, Array]:
     """Return speeds, and the amplitude at a place in normal firing and in a case of misfiring."""
     normal, worst = (
         at_place(series, place).synthesis.amplitude[:, 0] for series in (firing, failing)
@@ -644,7 +639,7 @@ def _over_speed(
 
 
 def _ranges(
-    speeds: FloatArray, flags: NDArray[np.bool_], crossings: Mapping[int, float]
+    speeds: Array, flags: Flags, crossings: Mapping[int, float]
 ) -> tuple[tuple[float, float], ...]:
     """Return the ranges of flagged speeds, each from the crossing before it to the one behind it."""
     edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
@@ -668,7 +663,7 @@ def _joined(ranges: Iterable[tuple[float, float]]) -> tuple[tuple[float, float],
     return tuple(joined)
 
 
-def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
+def _refine(added: Superposition, speeds: Array, each: Found) -> None:
     """Find the worst speeds of all cases, with normal firing, between their neighbors."""
     quantities = compared_quantities(added.chains.engine_file)
     for case in dict.fromkeys(case for by_case in each.values() for case in by_case):
@@ -676,11 +671,11 @@ def _refine(added: Superposition, speeds: FloatArray, each: Found) -> None:
         limits = {key: quantities[key].while_firing(case) for key in best}
 
         def used(
-            some: FloatArray,
+            some: Array,
             case: Cylinders = case,
             best: Mapping[str, Reached] = best,
             limits: Mapping[str, VibrationLimit | None] = limits,
-        ) -> FloatArray:
+        ) -> Array:
             ((_, case_series),) = added.at(some, [case])
             rows = []
             for key, reached in best.items():

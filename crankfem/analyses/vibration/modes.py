@@ -7,13 +7,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.choices import whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
-from crankbase.frames import table_of
+from crankbase.frames import Axes, table_of
 from crankbase.quantity import RPM
 from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.sentences import with_sentences
@@ -39,8 +38,6 @@ from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from regression.models.compliance_model import ComplianceModel
 
 SHAPES_SHOWN = 3
@@ -69,13 +66,13 @@ class SourceResult:
     """
 
     source: str
-    compliances: NDArray[np.float64]
+    compliances: Array
     chain: EngineChain
     modes: Modes
     remark: str
 
     @property
-    def elastic_frequencies(self) -> NDArray[np.float64]:
+    def elastic_frequencies(self) -> Array:
         """Natural frequencies without rigid-body modes [Hz]."""
         return self.modes.elastic_frequencies
 
@@ -90,7 +87,7 @@ class SourceResult:
         first = self.first_mode
         return None if first is None else float(self.modes.frequencies[first])
 
-    def plot(self, axes: "Axes | None" = None, count: int = SHAPES_SHOWN) -> "Axes":
+    def plot(self, axes: Axes | None = None, count: int = SHAPES_SHOWN) -> Axes:
         """Draw the first elastic mode shapes of the chain over its nodes.
 
         Raises
@@ -216,17 +213,17 @@ class Vibration(Result):
         return tuple(self.chosen.chain.nodes)
 
     @cached_property
-    def inertia(self) -> Annotated[FloatArray, Quantity(".inertia_unit")]:
+    def inertia(self) -> Annotated[Array, Quantity(".inertia_unit")]:
         """Of the points."""
         return self.chosen.chain.chain.inertia
 
     @cached_property
-    def stiffness(self) -> Annotated[FloatArray, Quantity(".stiffness_unit")]:
+    def stiffness(self) -> Annotated[Array, Quantity(".stiffness_unit")]:
         """Of the elements."""
         return self.chosen.chain.chain.stiffness
 
     @cached_property
-    def ground(self) -> Annotated[FloatArray, Quantity(".stiffness_unit")]:
+    def ground(self) -> Annotated[Array, Quantity(".stiffness_unit")]:
         """Stiffness of the points to ground."""
         return self.chosen.chain.chain.ground
 
@@ -309,7 +306,7 @@ class Vibration(Result):
         """Of a throw."""
         return MOTION[self.kind].compliance
 
-    def plot(self, axes: "Axes | None" = None, *, count: int = SHAPES_SHOWN) -> "Axes":
+    def plot(self, axes: Axes | None = None, *, count: int = SHAPES_SHOWN) -> Axes:
         """Draw the mode shapes of the chosen chain.
 
         Parameters
@@ -462,12 +459,12 @@ def axial_vibration(
     sources = axial_sources(engine_file, analysis, shaft, model)
     masses = [crank_analysis.mass for crank_analysis in crank_analyses(engine_file, analysis)]
 
-    def chain(compliances: NDArray[np.float64]) -> EngineChain:
+    def chain(compliances: Array) -> EngineChain:
         return engine_axial_chain(engine_file, compliances, masses)
 
     forces = shaft.influence / shaft.axial[:, None]
 
-    def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    def weights(named: EngineChain, shape: Array) -> Array:
         return axial_weights(forces, shape[list(named.sections)])[list(engine_file.pins)]
 
     wanted = engine_file.vibration.axial_source
@@ -489,20 +486,20 @@ def torsional_vibration(
     ]
     inertias = engine_throw_inertias(engine_file, solids)
 
-    def chain(compliances: NDArray[np.float64]) -> EngineChain:
+    def chain(compliances: Array) -> EngineChain:
         return engine_torsional_chain(engine_file, compliances, inertias)
 
     wanted = GIVEN if GIVEN in sources else engine_file.vibration.torsional_source
 
-    def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    def weights(named: EngineChain, shape: Array) -> Array:
         return shape[list(named.throw_nodes)][list(engine_file.throws)]
 
     return _vibration(engine_file, "torsional", wanted, sources, chain, weights, chosen_alone)
 
 
-ChainMaker = Callable[[NDArray[np.float64]], EngineChain]
+ChainMaker = Callable[[Array], EngineChain]
 # Chain and mode shape to the work of a unit excitation of each cylinder.
-Weights = Callable[[EngineChain, NDArray[np.float64]], NDArray[np.float64]]
+Weights = Callable[[EngineChain, Array], Array]
 
 
 def _vibration(
@@ -579,7 +576,7 @@ def _criticals(
     )
 
 
-def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
+def axial_weights(forces: Array, shape: Array) -> Array:
     """Work of a unit radial force on each pin on an axial mode shape.
 
     Parameters
@@ -592,7 +589,7 @@ def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> ND
     return forces.T @ np.diff(shape)
 
 
-def _phase_sum(weights: NDArray[np.float64], order: float, firing: Sequence[float]) -> float:
+def _phase_sum(weights: Array, order: float, firing: Sequence[float]) -> float:
     largest = float(np.abs(weights).sum())
     if math.isclose(largest, 0.0):
         return 0.0

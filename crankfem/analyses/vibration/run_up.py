@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
-from crankbase.frames import table_of
+from crankbase.frames import Axes, table_of
 from crankbase.quantity import parse_quantity
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
 from crankbase.sentences import kept
@@ -17,9 +17,6 @@ from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.transient.motions import Envelope, TransientMotion, axis_names, transient_motion
 from dynamics.transient.propagator import SpeedCurve
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 SHORTEST, LONGEST = 0.1, 600.0  # s
 
@@ -53,8 +50,8 @@ class RunUp(Result):
     motion: Internal[TransientMotion]
     duration: Annotated[float, Quantity("s", "requested")]
     envelope: Internal[Envelope]
-    largest: Internal[FloatArray]
-    steady: Internal[FloatArray]
+    largest: Internal[Array]
+    steady: Internal[Array]
 
     @property
     def complete(self) -> Part[bool]:
@@ -93,7 +90,7 @@ class RunUp(Result):
         """Names of the springs, as used by `plot`."""
         return axis_names(self.motion.system.chain, 0, len(self.largest))[1]
 
-    def plot(self, axes: "Axes | None" = None, element: int | str | None = None) -> "Axes":
+    def plot(self, axes: Axes | None = None, element: int | str | None = None) -> Axes:
         """Draw the torque in a spring over the time; see `TransientMotion.plot`.
 
         Parameters

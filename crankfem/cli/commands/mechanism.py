@@ -15,7 +15,7 @@ from crankfem.cli.console import print_json
 from dynamics.engine import ROD_MODELS, RodModelName
 
 if TYPE_CHECKING:
-    from crankbase.array_checks import FloatArray
+    from crankbase.array_checks import Array
     from crankfem.analyses.mechanism.torque_harmonics import EngineHarmonics, TableHarmonics
     from dynamics.harmonics import Harmonics
     from dynamics.sample_tables import TableReading
@@ -319,7 +319,7 @@ def _engine_harmonics(source: str, asked: _Request) -> "EngineHarmonics":
 
 
 def _write_sums(
-    asked: _Request, source: Path, degrees: "FloatArray", torque: "FloatArray", shown: "Harmonics"
+    asked: _Request, source: Path, degrees: "Array", torque: "Array", shown: "Harmonics"
 ) -> None:
     """Write the auxiliary table of the harmonics shown, if it is asked for."""
     from crankfem.analyses.mechanism.torque_harmonics import finite_sums

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
 from crankbase.quantity import parse_quantity
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from crankfem.files.chain.chain_build import (
     KINDS,
     UNITS,
@@ -35,8 +35,7 @@ NODE_COLUMN = re.compile(r"(ground(?: stiffness| damping)?)\s+(?=[-+.\d])(.*)")
 LINK_WORDS = ("inertia", "damping", "loss", "dashpot", "gear", "from", "to")
 
 
-@summarized("name", "kind", "chain.inertia", "chain.stiffness")
-@dataclass(frozen=True)
+@frozen("name", "kind", "chain.inertia", "chain.stiffness")
 class ChainText:
     """A chain read from text.
 
@@ -297,7 +296,7 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
     return "\n".join(lines) + "\n"
 
 
-def _columns(first: list[str], place: int, others: Iterable[tuple[str, FloatArray, str]]) -> str:
+def _columns(first: list[str], place: int, others: Iterable[tuple[str, Array, str]]) -> str:
     """Write the first columns of a line, and those of the others that are above zero there."""
     above_zero = (
         f"{word} {float(values[place])!r}{unit}"
@@ -312,8 +311,7 @@ SMALLEST, LARGEST = 1e-20, 1e20
 SIZES = ("inertia", "stiffness", "ground", "damping", "ground_damping", "distributed_inertia")
 
 
-@summarized("name", "kind", "path", "chain.inertia", "chain.stiffness")
-@dataclass(frozen=True)
+@frozen("name", "kind", "path", "chain.inertia", "chain.stiffness")
 class ChainFile:
     """A chain file, read and checked.
 

@@ -8,7 +8,7 @@ from string import Template
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.quantity import parse_quantity
 from crankbase.sentences import written
@@ -189,10 +189,10 @@ def _v_angle_deg(text: str, cylinders: int, strokes: int) -> float:
     return angle
 
 
-def _intervals(fires_deg: FloatArray, strokes: int) -> FloatArray:
+def _intervals(fires_deg: Array, strokes: int) -> Array:
     """Angles from each firing to the next [deg]."""
     return np.degrees(firing_intervals(np.radians(fires_deg).tolist(), strokes))
 
 
-def _angles_text(angles_deg: FloatArray) -> str:
+def _angles_text(angles_deg: Array) -> str:
     return ", ".join(f'"{angle:.10g} deg"' for angle in angles_deg)

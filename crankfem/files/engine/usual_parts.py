@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.model import field_extra
 from crankbase.sentences import amount, angle
 from crankbase.table import text_rows
@@ -428,7 +428,7 @@ def pressure_warnings(
 
 def cylinder_torque(
     scale: EngineScale, layout: EngineLayout, pressure: GasPressure, samples: int
-) -> FloatArray:
+) -> Array:
     """Return the torque of gas and reciprocating mass of the first cylinder over a cycle [N m]."""
     angles = 180.0 * layout.strokes / samples * np.arange(samples)
     period = math.pi * layout.strokes
@@ -440,7 +440,7 @@ def cylinder_torque(
     return np.asarray(-(force + inertia) * slope)
 
 
-def _likeness(first: FloatArray, second: FloatArray) -> float:
+def _likeness(first: Array, second: Array) -> float:
     """Return the largest correlation of two series over a cycle, wherever either begins."""
     parts = [np.fft.rfft(series - series.mean()) for series in (first, second)]
     shifted = np.fft.irfft(parts[0] * np.conj(parts[1]), n=first.size)

@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_of, part_field, quantity_field, range_text
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
@@ -94,7 +94,7 @@ class Bearings(InputModel):
         return self.highest_stiffness or self.stiffness
 
     @property
-    def sweep(self) -> FloatArray:
+    def sweep(self) -> Array:
         """Seven values over the range, with equal ratios on either side of the nominal one in the middle.
 
         A single value if there is no range.

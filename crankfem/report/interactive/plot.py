@@ -4,16 +4,14 @@ import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import Generic, TypeVar
 
 from crankbase.diagrams import Diagram, draw_diagram, figure, legend_below, make_folder
 from crankbase.errors import InputError
+from crankbase.frames import Axes
 from crankbase.outputs import check_output, write_text
 from crankfem.analyses.titles import add_title
 from crankfem.report.interactive.style import HEIGHT, Figure, Part, diagram_figure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
@@ -101,7 +99,7 @@ def plot_of_curves(
 ) -> Plot[Run]:
     """Return a plot whose curves are described once, for paper and for a screen, so high there [pixel]."""
 
-    def draw(axes: "Axes", run: Run) -> None:
+    def draw(axes: Axes, run: Run) -> None:
         draw_diagram(axes, describe(run))
         legend_below(axes, LEGEND_COLUMNS)
 
@@ -116,7 +114,7 @@ def plot_of_curves(
 
 
 def picture(
-    draw: Callable[["Axes", Run], object], title: Callable[[Run], str], height: float = 4.2
+    draw: Callable[[Axes, Run], object], title: Callable[[Run], str], height: float = 4.2
 ) -> Callable[[Path, Run], None]:
     """Return what draws a picture of a run into a file, with a title above all."""
 

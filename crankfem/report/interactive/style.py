@@ -10,8 +10,9 @@ from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from crankbase.array_checks import Array, Integers
 from crankbase.diagrams import (
     GRAY,
     STYLE,
@@ -284,9 +285,6 @@ def number(value: float, digits: int = 4) -> str:
     return format_number(value + 0.0, digits)
 
 
-Array = NDArray[np.float64]
-
-
 def marked_up(text: str) -> str:
     r"""Write the mathematics of a label, as matplotlib reads it, in plotly's markup.
 
@@ -322,7 +320,7 @@ def design_texts(factors: tuple[Factor, ...], values: Array) -> list[str]:
     return ["<br>".join(lines) for lines in zip(*columns, strict=True)]
 
 
-def visible_points(x: Array, y: Array, tolerance: float, step: float = np.inf) -> NDArray[np.int64]:
+def visible_points(x: Array, y: Array, tolerance: float, step: float = np.inf) -> Integers:
     """Choose the visible points of a curve: those without which it would look different.
 
     Parameters

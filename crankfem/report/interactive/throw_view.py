@@ -7,10 +7,10 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from crankbase.array_checks import Array, Flags, Integers
 from crankbase.quantity import UNITS, percent
 from crankfem.analyses.throw.pictures.stress_picture import (
     STRESS_SHOWN,
@@ -34,9 +34,6 @@ from fem.analysis import ThrowAnalysis
 from fem.fillet_peaks import FilletStresses
 from fem.whole_throw import whole_nodes
 from geometry.mesh import SUBTRIANGLES
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # An angle between faces that makes an edge [deg].
 SHARP = 30.0
@@ -71,7 +68,7 @@ class TriangleSurface:
         sizes = np.linalg.norm(summed, axis=1, keepdims=True)
         return np.asarray(summed / np.where(sizes > 0.0, sizes, 1.0))
 
-    def edges(self) -> tuple[Integers, Integers, NDArray[np.bool_]]:
+    def edges(self) -> tuple[Integers, Integers, Flags]:
         """Edges between two triangles.
 
         Returns
@@ -218,9 +215,7 @@ def decimate_triangles(surface: TriangleSurface, values: Array, most: int) -> Tr
     return TriangleSurface(points, triangles)
 
 
-def _moves(
-    surface: TriangleSurface, weights: Array, fixed: NDArray[np.bool_]
-) -> tuple[Integers, Array]:
+def _moves(surface: TriangleSurface, weights: Array, fixed: Flags) -> tuple[Integers, Array]:
     """Return from and to which point (m, 2) one may be moved, and what it costs (m,), one for a point."""
     points, triangles = surface.points, surface.triangles
     ends, _, _ = surface.edges()

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.diagrams import BLUE, ORANGE, Diagram, Series, curve_diagram, with_gaps
 from crankbase.quantity import RPM
 from crankfem.analyses.shaft.chains import MOTION
@@ -94,8 +94,8 @@ HEIGHT = 480
 
 def campbell_figure(
     kind: str,
-    frequencies: FloatArray,
-    orders: FloatArray,
+    frequencies: Array,
+    orders: Array,
     speed_range: tuple[float, float],
     resonances: Sequence[DampedCritical],
     title: str,

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankfem.analyses.vibration.chain_answers import ChainAnswer, EngineChains
@@ -41,7 +40,6 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import alternating_stress, section_modulus, varying_stiffness
 from dynamics.response.series import OrderSeries
 
-Flags = NDArray[np.bool_]
 # Speeds are calculated up to this share of the rated one, as class rules ask.
 HIGHEST_SHARE = 1.2
 STRESS, TORQUE, DASHPOTS, GEARS, GENERATOR = "stress", "torque", "dashpots", "gears", "generator"
@@ -103,12 +101,12 @@ class FiringCases:
         Omitted calculations, and why.
     """
 
-    speeds: FloatArray
+    speeds: Array
     normal: Series
     firing: FiringCase
     failing: Mapping[str, Mapping[int, FiringCase]]
-    envelopes: Mapping[str, FloatArray]
-    mean_torque: FloatArray
+    envelopes: Mapping[str, Array]
+    mean_torque: Array
     limits: Mapping[tuple[str, str], VibrationLimit]
     notes: tuple[str, ...]
 
@@ -151,7 +149,7 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     passed = within_any(speeds, barred)
     judge = _Judge(limits, damping, running & ~passed, running & passed)
     failing: dict[str, dict[int, FiringCase]] = {}
-    envelopes: dict[str, FloatArray] = {}
+    envelopes: dict[str, Array] = {}
     normal: Series = {}
     firing = None
     ways = ((MISFIRING, True), (CUT_OUT, False))
@@ -272,7 +270,7 @@ def heat_factors(chain: Chain) -> dict[tuple[str, str], tuple[float, float, floa
     return factors
 
 
-def heat_of(series: OrderSeries, place: str, values: tuple[float, float, float]) -> FloatArray:
+def heat_of(series: OrderSeries, place: str, values: tuple[float, float, float]) -> Array:
     """Return the heat of a damper at each speed, all orders together, from the torque in it (S,) [W].
 
     Notes

@@ -2,15 +2,15 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.array_checks import Array, ComplexArray
 from crankbase.quantity import UNBOUNDED, format_quantity, percent
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from crankbase.table import Cell, Column, OutputUnit, Table
 from crankfem.analyses.engine_mechanism import (
     curve_at,
@@ -191,7 +191,7 @@ def chain_shaft_table(run: EngineVibration) -> Table:
     )
 
 
-def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]:
+def harmonics_by_load(run: EngineVibration) -> tuple[list[str], Array, str]:
     """Return amplitudes of the tangential gas force by order at several loads, and these loads.
 
     Returns
@@ -241,7 +241,7 @@ def harmonics_by_load(run: EngineVibration) -> tuple[list[str], FloatArray, str]
     )
 
 
-def _part_loads(run: EngineVibration) -> tuple[ComplexArray, FloatArray]:
+def _part_loads(run: EngineVibration) -> tuple[ComplexArray, Array]:
     """Phasors (K, m) of the gas force of cylinder 1 at part loads, and the mean indicated pressures [Pa].
 
     With a propeller's law, each load is that at the speed at which it reaches this share.
@@ -269,8 +269,7 @@ def harmonics_table(run: EngineVibration) -> Table:
     )
 
 
-@summarized("frequency [Hz]", "modal_inertia [kg m^2]", "amplitude")
-@dataclass(frozen=True, eq=False)
+@frozen("frequency [Hz]", "modal_inertia [kg m^2]", "amplitude", eq=False)
 class HolzerTable:
     """One mode scaled to an amplitude of 1 mrad at the first node: motions and torques.
 
@@ -293,13 +292,13 @@ class HolzerTable:
     """
 
     frequency: float
-    amplitude: FloatArray
-    inertia_torque: FloatArray
-    torque: FloatArray
-    ground: FloatArray
+    amplitude: Array
+    inertia_torque: Array
+    torque: Array
+    ground: Array
     modal_inertia: float
-    kinetic_shares: FloatArray
-    strain_shares: FloatArray
+    kinetic_shares: Array
+    strain_shares: Array
 
 
 def holzer_table(chain: Chain, modes: Modes, mode: int) -> HolzerTable:
@@ -410,13 +409,13 @@ def mode_stars(run: EngineVibration, mode: int) -> tuple[Star, ...]:
     )
 
 
-def orders_of(run: EngineVibration) -> FloatArray:
+def orders_of(run: EngineVibration) -> Array:
     """Return the orders of the engine up to the highest of its file."""
     file = run.engine_file
     return engine_orders(file.engine.strokes, file.vibration.highest_order)
 
 
-def _major(run: EngineVibration, orders: Sequence[float] | FloatArray) -> list[str]:
+def _major(run: EngineVibration, orders: Sequence[float] | Array) -> list[str]:
     """Return the marks of orders, of which the major ones are highlighted."""
     majors = major_orders(orders_of(run), run.engine_file.engine.firing_angles)
     return _marks("chosen", [np.any(np.isclose(order, majors)) for order in orders])

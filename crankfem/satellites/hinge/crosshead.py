@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     checked_degrees,
     finite_array,
     nonnegative_number,
@@ -18,7 +18,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import (
     Pressure,
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 TURN = 2.0 * math.pi
 
 
-def turn_integral(samples: FloatArray) -> float:
+def turn_integral(samples: Array) -> float:
     """Return the integral over a revolution of a function given at even angles.
 
     The plain sum is exact for all harmonics that the samples resolve.
@@ -54,7 +54,7 @@ def turn_integral(samples: FloatArray) -> float:
     return TURN * float(np.mean(samples))
 
 
-def antiderivative(samples: FloatArray) -> FloatArray:
+def antiderivative(samples: Array) -> Array:
     """Return the integral from the first angle to each one, for samples of mean zero.
 
     Harmonic by harmonic. A mean is left out: its integral would not be periodic.
@@ -66,7 +66,7 @@ def antiderivative(samples: FloatArray) -> FloatArray:
     return np.asarray(integral - integral[0])
 
 
-def periodic_spline(samples: FloatArray) -> "CubicSpline":
+def periodic_spline(samples: Array) -> "CubicSpline":
     """Return the cubic spline that repeats every turn through samples at even angles."""
     from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
 
@@ -75,7 +75,7 @@ def periodic_spline(samples: FloatArray) -> "CubicSpline":
 
 
 # Force on the piston towards the shaft [N] at crank angles [rad] of shape (m,).
-GasForce = Callable[[FloatArray], FloatArray]
+GasForce = Callable[[Array], Array]
 STANDARD_GRAVITY = 9.81
 
 
@@ -282,8 +282,7 @@ Kinematics = Literal["exact", "series", "printed"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 
 
-@summarized("inertia [kg m^2]", "travel_rate [m]", "weight_moment [N m]")
-@dataclass(frozen=True, eq=False)
+@frozen("inertia [kg m^2]", "travel_rate [m]", "weight_moment [N m]", eq=False)
 class ReducedCrank:
     """An engine of one degree of freedom reduced to its crank, arrays of shape (m,).
 
@@ -299,10 +298,10 @@ class ReducedCrank:
         Moment of the weights of crank and rod, positive when it drives [N m].
     """
 
-    inertia: FloatArray
-    inertia_rate: FloatArray
-    travel_rate: FloatArray
-    weight_moment: FloatArray
+    inertia: Array
+    inertia_rate: Array
+    travel_rate: Array
+    weight_moment: Array
 
 
 def reduced_crank(
@@ -350,7 +349,7 @@ def reduced_crank(
     )
 
 
-def _series(engine: CrossheadEngine, angles: FloatArray, sign: float) -> ReducedCrank:
+def _series(engine: CrossheadEngine, angles: Array, sign: float) -> ReducedCrank:
     """Reduce with velocities up to the second harmonic; `sign` is that of the rod's own."""
     rod, radius, ratio = engine.rod, engine.crank_radius, engine.crank_ratio
     if rod.center_offset != 0.0:
@@ -387,7 +386,7 @@ def _series(engine: CrossheadEngine, angles: FloatArray, sign: float) -> Reduced
     return ReducedCrank(inertia, rate, travel_rate, _weight_moment(engine, angles, rod_rise))
 
 
-def _weight_moment(engine: CrossheadEngine, angles: FloatArray, rod_rise: FloatArray) -> FloatArray:
+def _weight_moment(engine: CrossheadEngine, angles: Array, rod_rise: Array) -> Array:
     """Return the weights' moment from the rise of the rod's center by angle [m/rad]."""
     crank_rise = engine.crank_center_distance * np.cos(angles)
     return -engine.gravity * (engine.crank_mass * crank_rise + engine.rod.mass * rod_rise)

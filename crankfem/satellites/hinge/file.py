@@ -1,7 +1,7 @@
 """The file of a hinge: its sections and the hinge they make."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar, Self
 
@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.quantity import PER_MINUTE, format_quantity
-from crankbase.summaries import summarized
+from crankbase.summaries import frozen
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from crankfem.files.sections.mechanism_sections import given_of_cycle
@@ -243,8 +243,7 @@ class Comparison(InputModel):
 SAME_SPEED = 1e-6
 
 
-@summarized("name", "path", "design_speed [rad/s]", "speeds [rad/s]")
-@dataclass(frozen=True)
+@frozen("name", "path", "design_speed [rad/s]", "speeds [rad/s]")
 class HingeFile:
     """A hinge file, read and checked.
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     finite_vector,
     positive_number,
     read_only,
@@ -66,20 +66,20 @@ class HingeMoment(Result):
     engine: Internal[CrossheadEngine]
     speed: Internal[float]
     kinematics: Internal[Kinematics]
-    angles_deg: Internal[FloatArray]
+    angles_deg: Internal[Array]
     gas_force: Internal[GasForce]
-    gas: Internal[FloatArray]
+    gas: Internal[Array]
     reduced: Internal[ReducedCrank]
     load: Moment
-    moment: Internal[FloatArray]
+    moment: Internal[Array]
 
     @property
-    def gas_moment(self) -> FloatArray:
+    def gas_moment(self) -> Array:
         """Moment of the gas force [N m], shape (m,)."""
         return self.gas * self.reduced.travel_rate
 
     @cached_property
-    def stored_energy(self) -> FloatArray:
+    def stored_energy(self) -> Array:
         """Required stored energy of the hinge since the top, minus the integral of M_h [J], (m,)."""
         return read_only(-antiderivative(self.moment))
 
@@ -123,7 +123,7 @@ class HingeMoment(Result):
         """Least and largest over the revolution."""
         return float(self.reduced.inertia.min()), float(self.reduced.inertia.max())
 
-    def at_angles(self, *, angles_deg: ArrayLike) -> tuple[ReducedCrank, FloatArray]:
+    def at_angles(self, *, angles_deg: ArrayLike) -> tuple[ReducedCrank, Array]:
         """Return the reduced crank, and the moment without the hinge [N m], at angles [deg], (k,)."""
         reduced = reduced_crank(self.engine, self.kinematics, angles_deg=angles_deg)
         gas = self.gas_force(np.radians(angles_deg)) * reduced.travel_rate

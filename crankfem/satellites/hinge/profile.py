@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
+    Array,
     ComplexArray,
-    FloatArray,
     nonnegative_number,
     positive_number,
     radians_of,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 
-def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
+def polar_curvature(radius: Array, first: Array, second: Array) -> Array:
     """Return the curvature of a curve rho(phi).
 
     Parameters
@@ -53,9 +53,7 @@ def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -
     return np.asarray((square + first**2 - radius * second) / square**1.5)
 
 
-def outer_parallel(
-    angles: FloatArray, radius: FloatArray, first: FloatArray, distance: float
-) -> ComplexArray:
+def outer_parallel(angles: Array, radius: Array, first: Array, distance: float) -> ComplexArray:
     """Return the points outside a curve rho(phi) at a distance from it along its normals.
 
     Parameters
@@ -79,7 +77,7 @@ def outer_parallel(
     return np.asarray((radius + distance * normal) * direction)
 
 
-def smallest_hollow(curvature: FloatArray) -> float:
+def smallest_hollow(curvature: Array) -> float:
     """Return the smallest radius of curvature where a curve bends away from the origin [m].
 
     Infinite if it does so nowhere. A larger roller outside the curve would undercut it.
@@ -88,7 +86,7 @@ def smallest_hollow(curvature: FloatArray) -> float:
     return -1.0 / least if least < 0.0 else float("inf")
 
 
-def check_roller(roller_radius: float, curvature: FloatArray) -> None:
+def check_roller(roller_radius: float, curvature: Array) -> None:
     """Refuse a roller whose guide would have a cusp."""
     hollow = smallest_hollow(curvature)
     if roller_radius >= hollow:
@@ -180,8 +178,8 @@ class HingeProfile(Result):
     spring: Internal[GasSpring]
     start_radius: Internal[float]
     roller_radius: Internal[float]
-    angles_deg: Internal[FloatArray]
-    radius: Internal[FloatArray]
+    angles_deg: Internal[Array]
+    radius: Internal[Array]
     speed: Internal[float]
 
     @cached_property
@@ -190,51 +188,51 @@ class HingeProfile(Result):
         return periodic_spline(self.radius)
 
     @property
-    def _angles(self) -> FloatArray:
+    def _angles(self) -> Array:
         return np.radians(self.angles_deg)
 
     @cached_property
-    def slope(self) -> FloatArray:
+    def slope(self) -> Array:
         """Derivative of the radius by the crank angle [m/rad]."""
         return read_only(np.asarray(self.curve(self._angles, 1)))
 
     @property
-    def compression(self) -> FloatArray:
+    def compression(self) -> Array:
         """Shortening of the gas column from the start, z = 2 (rho_0 - rho) [m]."""
         return 2.0 * (self.start_radius - self.radius)
 
     @property
-    def pressure(self) -> FloatArray:
+    def pressure(self) -> Array:
         """Pressure of the gas above ambient [Pa]."""
         return self.spring.gas_pressure(self.compression)
 
     @property
-    def spring_force(self) -> FloatArray:
+    def spring_force(self) -> Array:
         """F_pn, of the gas on each roller, outwards [N]."""
         return self.spring.force(self.compression)
 
     @property
-    def force_angle_deg(self) -> FloatArray:
+    def force_angle_deg(self) -> Array:
         """Angle between the force of the guide on a roller and the spring's axis [deg]."""
         return np.degrees(np.arctan2(self.slope, self.radius))
 
     @property
-    def normal_force(self) -> FloatArray:
+    def normal_force(self) -> Array:
         """Force of the guide on each roller, along the guide's normal, without friction [N]."""
         return self.spring_force / np.cos(np.radians(self.force_angle_deg))
 
     @cached_property
-    def curvature(self) -> FloatArray:
+    def curvature(self) -> Array:
         """Curvature of the path of the rollers' centers [1/m], positive where it bends around the axis."""
         second = np.asarray(self.curve(self._angles, 2))
         return read_only(polar_curvature(self.radius, self.slope, second))
 
     @property
-    def moment(self) -> FloatArray:
+    def moment(self) -> Array:
         """Moment of both rollers on the crank at the angles, positive when it drives [N m]."""
         return 2.0 * self.spring_force * self.slope
 
-    def moment_at(self, pressure: float | None = None, *, angles_deg: ArrayLike) -> FloatArray:
+    def moment_at(self, pressure: float | None = None, *, angles_deg: ArrayLike) -> Array:
         """Return the hinge's moment on the crank, 2 F_pn d rho/d phi [N m]."""
         spring = self.spring if pressure is None else replace(self.spring, pressure=pressure)
         angles = radians_of("angles_deg", angles_deg)

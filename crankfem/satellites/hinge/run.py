@@ -4,11 +4,11 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from crankbase.array_checks import ComplexArray, FloatArray
+from crankbase.array_checks import Array, ComplexArray
 from crankbase.choices import check_choice
 from crankbase.diagrams import (
     BLUE,
@@ -23,7 +23,7 @@ from crankbase.diagrams import (
     write_title,
 )
 from crankbase.errors import InputError
-from crankbase.frames import table
+from crankbase.frames import Axes, table
 from crankbase.quantity import RPM, format_quantity, percent
 from crankbase.results import Flat, Internal, Number, Part, Quantity, Result, Speed, result
 from crankbase.sentences import amount, kept, listed
@@ -44,10 +44,6 @@ from crankfem.satellites.hinge.turning import (
     steady_hinge_turn,
 )
 from dynamics.turning.speed_over_angle import SpeedOverAngle
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 Shown = Literal["moment", "gas force", "speed", "guides"]
 SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "guides")
@@ -232,7 +228,7 @@ class HingeRun(Result):
         except InputError:
             return None
 
-    def plot(self, axes: "Axes | None" = None, *, show: Shown = "moment") -> "Axes":
+    def plot(self, axes: Axes | None = None, *, show: Shown = "moment") -> Axes:
         """Draw one diagram of the hinge.
 
         Parameters
@@ -278,7 +274,7 @@ class HingeRun(Result):
         """Height of the spring and initial radius of the guides to draw, the largest first [m]."""
         return sorted({(each.height, each.start_radius) for each in self.drawn}, reverse=True)
 
-    def plot_guides(self, axes: "Axes | None" = None, size: int = 0) -> "Axes":
+    def plot_guides(self, axes: Axes | None = None, size: int = 0) -> Axes:
         """Draw the rollers' path for all springs of one of the `spring_sizes`.
 
         Parameters
@@ -597,7 +593,7 @@ def _other(file: HingeFile, profile: HingeProfile, speed: float) -> OtherSpeed:
     )
 
 
-def draw_gas_force(axes: "Axes", points: Sequence[HingeMoment]) -> None:
+def draw_gas_force(axes: Axes, points: Sequence[HingeMoment]) -> None:
     """Draw the gas force on the piston at operating points."""
     _draw_points(axes, [(point, point.gas) for point in points])
     write_title(axes, "Gas force on the piston")
@@ -607,7 +603,7 @@ def draw_gas_force(axes: "Axes", points: Sequence[HingeMoment]) -> None:
 
 
 def draw_moments(
-    axes: "Axes", points: Sequence[HingeMoment], given: Sequence[tuple[FloatArray, float] | None]
+    axes: Axes, points: Sequence[HingeMoment], given: Sequence[tuple[Array, float] | None]
 ) -> None:
     """Draw the hinge moment for constant speed at operating points, and that of the guides.
 
@@ -636,7 +632,7 @@ def draw_moments(
     legend_inside(axes)
 
 
-def _draw_points(axes: "Axes", curves: Sequence[tuple[HingeMoment, FloatArray]]) -> None:
+def _draw_points(axes: Axes, curves: Sequence[tuple[HingeMoment, Array]]) -> None:
     """Draw values in thousands over a revolution for each operating point, labeled with its speed."""
     for place, (point, values) in enumerate(curves):
         label = format_quantity(point.speed, "rad/s", 5)
@@ -645,7 +641,7 @@ def _draw_points(axes: "Axes", curves: Sequence[tuple[HingeMoment, FloatArray]])
 
 
 def draw_guides(
-    axes: "Axes", height: float, start: float, compared: Sequence[ComparedGuides]
+    axes: Axes, height: float, start: float, compared: Sequence[ComparedGuides]
 ) -> None:
     """Draw the rollers' path for springs of one height from one initial radius [m], by pressure [Pa]."""
     circle = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361)) * start
@@ -668,7 +664,7 @@ def draw_guides(
     axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
 
 
-def draw_speeds(axes: "Axes", turning: FreeTurns, *, from_speed: float) -> None:
+def draw_speeds(axes: Axes, turning: FreeTurns, *, from_speed: float) -> None:
     """Draw the speed over a revolution with the hinge, with a flywheel, and without either.
 
     Parameters
@@ -693,13 +689,13 @@ def draw_speeds(axes: "Axes", turning: FreeTurns, *, from_speed: float) -> None:
     axes.legend(frameon=False, fontsize=9, loc="upper right")
 
 
-def _turn_axis(axes: "Axes") -> None:
+def _turn_axis(axes: Axes) -> None:
     axes.set_xlim(0.0, 360.0)
     axes.set_xticks(np.arange(0.0, 361.0, 60.0))
     axes.set_xlabel("crank angle from the top [deg]")
 
 
-def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
+def hinge_columns(run: HingeRun) -> dict[str, Array]:
     """Return forces, moments, guides and speeds over the revolution, by name with unit."""
     moment, profile = run.moment, run.profile
     surface = run.surface
@@ -723,7 +719,7 @@ def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
     }
 
 
-def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:
+def _at(turn: SpeedOverAngle, angles: Array) -> Array:
     """Return the speed at angles, by linear interpolation between the steps of the integration."""
     return np.interp(angles, np.radians(turn.angle_deg), turn.speed)
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     finite_array,
     nonnegative_number,
     positive_number,
@@ -82,16 +82,16 @@ class GasSpring(Result):
         """Absolute pressure at the start [Pa]."""
         return self.pressure + self.ambient
 
-    def gas_pressure(self, compression: ArrayLike) -> FloatArray:
+    def gas_pressure(self, compression: ArrayLike) -> Array:
         """Return the pressure above ambient [Pa] when the column is z [m] shorter."""
         share = 1.0 - self._within(compression) / self.height
         return np.asarray(self.absolute * share**-self.exponent - self.ambient)
 
-    def force(self, compression: ArrayLike) -> FloatArray:
+    def force(self, compression: ArrayLike) -> Array:
         """Return the force on each piston, outwards [N], when the column is z [m] shorter."""
         return self.piston_area * self.gas_pressure(compression)
 
-    def work(self, compression: ArrayLike) -> FloatArray:
+    def work(self, compression: ArrayLike) -> Array:
         """Return the work that shortens the column by z [m], the integral of the force [J]."""
         shorter = self._within(compression)
         logarithm = -np.log1p(-shorter / self.height)
@@ -100,7 +100,7 @@ class GasSpring(Result):
         stretched = np.expm1(less * logarithm) / less if less > 0.0 else logarithm
         return np.asarray(scale * stretched - self.piston_area * self.ambient * shorter)
 
-    def compression(self, work: ArrayLike) -> FloatArray:
+    def compression(self, work: ArrayLike) -> Array:
         """Return the shortening of the column after a work.
 
         Parameters
@@ -132,7 +132,7 @@ class GasSpring(Result):
                 shortening = shortening - (self.work(shortening) - wanted) / self.force(shortening)
         return np.asarray(shortening)
 
-    def _within(self, compression: ArrayLike) -> FloatArray:
+    def _within(self, compression: ArrayLike) -> Array:
         """Return compressions that leave part of the column."""
         shorter = finite_array("compression", compression)
         largest = float(np.max(shorter, initial=0.0))
@@ -143,14 +143,14 @@ class GasSpring(Result):
             )
         return shorter
 
-    def _closed_form(self, work: FloatArray) -> FloatArray:
+    def _closed_form(self, work: Array) -> Array:
         """Return z for the work of the gas alone."""
         less = self.exponent - 1.0
         share = work / (self.piston_area * self.absolute * self.height)
         logarithm = np.log1p(less * share) / less if less > 0.0 else share
         return np.asarray(-self.height * np.expm1(-logarithm))
 
-    def _check_column(self, work: FloatArray) -> None:
+    def _check_column(self, work: Array) -> None:
         """Refuse works that leave almost nothing of the column."""
         largest = float(np.max(work, initial=0.0))
         most = float(self.work((1.0 - LEAST_COLUMN) * self.height))
@@ -162,7 +162,7 @@ class GasSpring(Result):
                 "because the compression z must stay below the height H."
             )
 
-    def _check_energy(self, work: FloatArray) -> None:
+    def _check_energy(self, work: Array) -> None:
         """Refuse works below what the gas releases until it no longer pushes outwards."""
         asked = -float(np.min(work, initial=0.0))
         if self.ambient > 0.0:

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from crankbase.array_checks import (
-    FloatArray,
+    Array,
     nonnegative_number,
     positive_number,
     read_only,
@@ -50,8 +50,8 @@ class SteadyHingeTurn(Result):
         Energy surplus of the revolution [J]; zero except for integration error.
     """
 
-    angles_deg: Internal[FloatArray]
-    speed: Internal[FloatArray]
+    angles_deg: Internal[Array]
+    speed: Internal[Array]
     mean_speed: Speed
     gain: Internal[float]
     flywheel: Annotated[float, Quantity("kg m^2", key="inertia")]
@@ -79,9 +79,9 @@ class SteadyHingeTurn(Result):
 class TurnEnergy:
     """Inertia and the energy gained since the top at even angles, shapes (m,)."""
 
-    angles: FloatArray
-    inertia: FloatArray
-    gained: FloatArray
+    angles: Array
+    inertia: Array
+    gained: Array
     left_over: float
 
 
@@ -178,7 +178,7 @@ def simulate_hinge(
 
 def moments_on_crank(
     point: HingeMoment, hinge: HingeProfile | None, pressure: float | None
-) -> tuple[FloatArray, ReducedCrank, FloatArray]:
+) -> tuple[Array, ReducedCrank, Array]:
     """Return even angles, the reduced crank and the sum of all moments on it at them."""
     angles = even_angles(TURN, STEPS)
     reduced, moment = point.at_angles(angles_deg=np.degrees(angles))
@@ -195,7 +195,7 @@ def turn_energy(
     return integrated(angles, reduced.inertia, moment)
 
 
-def integrated(angles: FloatArray, inertia: FloatArray, moment: FloatArray) -> TurnEnergy:
+def integrated(angles: Array, inertia: Array, moment: Array) -> TurnEnergy:
     """Integrate the sum of the moments at even angles from the top."""
     gained = np.asarray(periodic_spline(moment).antiderivative()(np.append(angles, TURN)))
     return TurnEnergy(angles, inertia, gained[:-1], float(gained[-1]))
@@ -234,9 +234,7 @@ def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyHi
     return _turn(energy, inertia, at_top, flywheel)
 
 
-def _turn(
-    energy: TurnEnergy, inertia: FloatArray, at_top: float, flywheel: float
-) -> SteadyHingeTurn:
+def _turn(energy: TurnEnergy, inertia: Array, at_top: float, flywheel: float) -> SteadyHingeTurn:
     kinetic = energy.gained + at_top
     speed = np.sqrt(2.0 * kinetic / inertia)
     return SteadyHingeTurn(

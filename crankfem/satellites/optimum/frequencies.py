@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import (
     engine_axial_chain,
@@ -19,7 +17,6 @@ from dynamics.chains.engine_chains import EngineChain
 from regression.models.compliance_model import ComplianceModel
 from regression.optimum import Limit
 
-Array = NDArray[np.float64]
 Kind = Literal["axial", "torsional"]
 
 

@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.quantity import format_quantity, percent
@@ -51,7 +51,6 @@ from regression.optimum import (
 from regression.response_kinds import ANGLE_LAWS
 from regression.throw_values import check_dimension, field_unit, same_dimension, throw_values
 
-Array = NDArray[np.float64]
 Factors = Mapping[str, float]
 
 # Answers scatter by some 0.03 % from mesh to mesh. Shares that aims keep of limits, that a limit has left

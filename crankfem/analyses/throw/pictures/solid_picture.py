@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from crankbase.errors import InputError
 from crankbase.outputs import copy_picture
 from crankbase.processes import scratch_folder
@@ -22,8 +22,7 @@ from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw, mesh_isolated
 from geometry.solid import BORE, COUNTERWEIGHT, FILLET, LEFT_END, RIGHT_END, WEB
 
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
+Numbers = Integers
 
 # Kinds of surfaces that a picture tells apart.
 MACHINED, FORGED, FILLETS, BORES, ENDS = range(5)

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from crankbase.errors import InputError
 from crankbase.outputs import check_output, copy_picture
 from crankbase.processes import scratch_folder
@@ -28,9 +29,6 @@ from fem.whole_throw import whole_facets, whole_nodes, whole_points
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 from geometry.solid_files import write_mesh
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

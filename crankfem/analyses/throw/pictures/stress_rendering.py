@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from crankbase.array_checks import Array, Integers
 from crankbase.diagrams import STYLE
-
-Array = NDArray[np.float64]
 
 LINE_COLOR, LINE_WIDTH = "#2a3644", 2.5
 SAMPLES = 2  # along each side of a pixel, for smooth edges: faster than VTK's own
@@ -131,8 +130,6 @@ class Scene:
         """End it."""
         self._plotter.close()
 
-
-Integers = NDArray[np.int64]
 
 # Nearly white where there is no stress, dark red at the fillets' largest.
 COLORS = ("#eef1f4", "#d3dde6", "#f6e3ae", "#f4b266", "#e26a3c", "#b01f2e", "#560a1f")
