@@ -529,7 +529,8 @@ class ShaftLine:
     @property
     def section_modulus(self) -> float:
         """Smallest torsional section modulus of its pieces of shaft [m^3]."""
-        check_some("pieces of shaft", self._shafts, "stress belongs to a cross section")
+        reason = "stress belongs to the cross section of a piece of shaft"
+        check_some("pieces", self._shafts, reason)
         return min(piece.section_modulus for piece in self._shafts)
 
     def compliance(self, kind: Motion) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Unpack
 
 import numpy as np
 
@@ -42,7 +42,7 @@ from regression.runs.store import (
     schema_version,
 )
 from regression.runs.study_table import StudyTable, study_table
-from regression.runs.workers import design_limits, run_designs
+from regression.runs.workers import AskedLimits, design_limits, run_designs
 from regression.throw_values import SAME
 
 # Damaged rows that are told; JSON has all.
@@ -202,9 +202,8 @@ def run_plan(
     progress: Progress | None = None,
     *,
     dask: str | None = None,
-    time_limit: float | None = None,
-    memory_limit: float | None = None,
     note: Note | None = None,
+    **asked: Unpack[AskedLimits],
 ) -> StudyTable:
     """Compute the missing results of a study, and return all of it.
 
@@ -238,7 +237,7 @@ def run_plan(
     """
     check_workers(workers)
     note = note or (lambda _: None)
-    limits = design_limits(plan.accuracy, time_limit, memory_limit)
+    limits = design_limits(plan.accuracy, **asked)
     if dask is not None:  # refused even if nothing is left to compute
         from regression.runs.cluster import DaskCluster, check_address, run_on_cluster
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from types import FrameType
-from typing import Any
+from typing import Any, TypedDict
 
 from crankbase.calls import (
     GIGABYTE,
@@ -73,6 +73,13 @@ ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("MKL", "OMP", "OPENB
 KEPT_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**29)}
 # A worker cannot do with less: the libraries alone take a quarter of it.
 SMALLEST_MEMORY = 0.5 * GIGABYTE
+
+
+class AskedLimits(TypedDict, total=False):
+    """Limits that a user may ask for [s], [byte]; see `design_limits`."""
+
+    time_limit: float | None
+    memory_limit: float | None
 
 
 def design_limits(
