@@ -124,6 +124,23 @@ def whole_within(field: str, number: object, low: int, high: int, reason: str) -
     return int(number)
 
 
+def number_within(
+    field: str, number: object, low: float, high: float, unit: str, reason: str
+) -> float:
+    """Return a finite number from `low` to `high`.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
+    if not is_number(number) or not low <= number <= high:
+        given = f"{number:g} {unit}".rstrip() if is_number(number) else quoted(number)
+        allowed = f"{low:g} to {high:g} {unit}".rstrip()
+        raise InputError(f"{field}: given {given}; allowed is {allowed}, because {reason}.")
+    return float(number)
+
+
 def whole_number(field: str, count: int, least: int, reason: str) -> int:
     """Return a whole number.
 

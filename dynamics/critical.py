@@ -14,7 +14,7 @@ from crankbase.array_checks import (
     positive_number,
     positive_vector,
 )
-from crankbase.choices import check_some
+from crankbase.choices import check_some, number_within
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
@@ -232,11 +232,8 @@ def engine_orders(strokes: int, highest: float) -> Array:
     """
     step = order_step(strokes)
     limit = positive_number("highest", highest, "", "orders count cycles per revolution")
-    if limit > HIGHEST_ORDER:
-        raise InputError(
-            f"highest: given {limit:g}; allowed is up to {HIGHEST_ORDER:g}, because no cycle is known so "
-            "finely that higher orders are more than noise."
-        )
+    reason = "no cycle is known so finely that higher orders are more than noise"
+    number_within("highest", limit, 0.0, HIGHEST_ORDER, "", reason)
     count = math.floor(limit / step * (1.0 + 1e-12))
     if count == 0:
         raise InputError(

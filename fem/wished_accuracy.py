@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from crankbase.choices import is_number
-from crankbase.errors import InputError, quoted
+from crankbase.choices import number_within
 
 
 @dataclass(frozen=True)
@@ -25,12 +24,8 @@ class AccuracyRange:
         InputError
             If it is not a number of the range.
         """
-        if not is_number(accuracy) or not self.least <= accuracy <= self.most:
-            raise InputError(
-                f"{field}: given {quoted(accuracy)}; allowed is a number from {self}, the relative error of "
-                f"{self.error_of}."
-            )
-        return float(accuracy)
+        reason = f"it is the relative error of {self.error_of}"
+        return number_within(field, accuracy, self.least, self.most, "", reason)
 
 
 COMPLIANCE_ACCURACY = AccuracyRange(0.001, 0.1, "e_n")

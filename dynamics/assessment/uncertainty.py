@@ -11,13 +11,13 @@ from crankbase.array_checks import Array, positive_vector
 from crankbase.choices import (
     check_choice,
     check_some,
-    is_number,
     is_whole_within,
+    number_within,
     whole_number,
     whole_within,
 )
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
-from crankbase.errors import InputError, quoted
+from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.latin_hypercube import latin_hypercube
 from crankbase.results import Internal, Number, Result, result
@@ -214,10 +214,7 @@ class Samples:
         InputError
             If the percentage is out of range.
         """
-        if not (is_number(percent) and 0.0 <= percent <= 100.0):
-            raise InputError(
-                f"percent: given {quoted(percent)}; allowed are 0 to 100, because it is a share."
-            )
+        number_within("percent", percent, 0.0, 100.0, "", "it is a share")
         return np.asarray(np.percentile(self.values, percent, axis=0, method="inverted_cdf"))
 
     @property
@@ -471,11 +468,7 @@ def function_samples(
         See `sampled_factors`.
     """
     factors = sampled_factors(spreads, samples, seed)
-    if samples > MOST_CALCULATED:
-        raise InputError(
-            f"samples: given {samples}; allowed is up to {MOST_CALCULATED}, because each is "
-            "calculated by itself."
-        )
+    whole_within("samples", samples, 2, MOST_CALCULATED, "each is calculated by itself")
     values = np.array([np.asarray(result(row), dtype=np.float64) for row in factors])
     nominal = np.asarray(result(np.ones(len(spreads))), dtype=np.float64)
     return Samples(tuple(spreads), factors, values, nominal)

@@ -19,7 +19,7 @@ from crankbase.array_checks import (
     read_only,
     turning_speeds,
 )
-from crankbase.choices import check_choice, check_some
+from crankbase.choices import check_choice, check_some, number_within
 from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes
@@ -634,13 +634,8 @@ def gas_sources(
     failing = {}
     for number, share in (misfire or {}).items():
         cylinder, field = checked_cylinder(engine, number), f"misfire[{number}]"
-        missing = nonnegative_number(field, share, "", "it is a share of the combustion")
-        if missing > 1.0:
-            raise InputError(
-                f"{field}: given {missing:g}; allowed is 0 to 1, because it is the share of the combustion "
-                "that is missing."
-            )
-        failing[cylinder] = missing
+        reason = "it is the share of the combustion that is missing"
+        failing[cylinder] = number_within(field, share, 0.0, 1.0, "", reason)
     if not failing:
         return tuple(fired)
     if motored is None:

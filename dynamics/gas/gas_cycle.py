@@ -16,7 +16,7 @@ from crankbase.array_checks import (
     positive_number,
     refuse_radians_between,
 )
-from crankbase.choices import check_choice, is_number, whole_number
+from crankbase.choices import check_choice, is_number, number_within, whole_number
 from crankbase.diagrams import BLUE, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
@@ -522,14 +522,9 @@ def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle_deg: A
 
 def allowed_heat(state: CycleSamples, heat: float) -> float:
     """Return a heat [J] whose peak is not above that of real engines."""
-    nonnegative_number("heat", heat, "J", "combustion releases heat")
     most = state.heat_for_peak(HIGHEST_PEAK)
-    if heat > most:
-        raise InputError(
-            f"heat: given {heat:g} J; allowed are 0 to {most:.6g} J, because more drives the peak above "
-            f"{format_mpa(HIGHEST_PEAK)}, which no piston engine withstands."
-        )
-    return float(heat)
+    peak = f"{format_mpa(HIGHEST_PEAK)}, which no piston engine withstands"
+    return number_within("heat", heat, 0.0, most, "J", f"more drives the peak above {peak}")
 
 
 def heat_for_peak(state: CycleSamples, peak_pressure: float) -> float:

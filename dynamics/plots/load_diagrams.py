@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.array_checks import Array, ComplexArray, positive_number
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, number_within
 from crankbase.diagrams import (
     BLUE,
     COLORS,
@@ -28,7 +28,6 @@ from crankbase.diagrams import (
     new_axes,
     write_title,
 )
-from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.quantity import format_number
 from dynamics.plots.curves import KILO
@@ -161,11 +160,7 @@ def check_polar(frame: str, mark_step_deg: float) -> None:
     """Check the choices of a polar diagram."""
     check_choice("frame", frame, ("crank", "engine"), "a load is drawn in one of them")
     step = positive_number("mark_step_deg", mark_step_deg, "deg", "marks follow each other")
-    if step > 360.0:
-        raise InputError(
-            f"mark_step_deg: given {step:g} deg; allowed is above 0 and up to 360 deg, because "
-            "marks follow each other along the curve."
-        )
+    number_within("mark_step_deg", step, 0.0, 360.0, "deg", "marks follow each other")
 
 
 def draw_polar_loads(

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Annotated
 
 from crankbase.array_checks import nonnegative_number, positive_number
+from crankbase.choices import number_within
 from crankbase.errors import InputError
 from crankbase.results import Number, Part, Quantity, Result
 from crankbase.sentences import amount, with_sentences
@@ -84,11 +85,8 @@ class ShrinkFit(Result):
         positive_number("friction", self.friction, "", "friction holds the fit")
         for name in ("distance", "journal_bore"):
             nonnegative_number(name, getattr(self, name), "m", "it is a length")
-        if self.friction > MOST_FRICTION:
-            raise InputError(
-                f"friction: given {self.friction:g}; allowed is up to 0.2, because the rule takes more from "
-                "tests alone."
-            )
+        reason = "the rule takes more from tests alone"
+        number_within("friction", self.friction, 0.0, MOST_FRICTION, "", reason)
         if self.safety < LEAST_SAFETY:
             raise InputError(
                 f"safety: given {self.safety:g}; allowed is 2 or more, because the rule requires that "

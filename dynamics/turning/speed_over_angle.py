@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 
 from crankbase.array_checks import Array, finite_array, positive_number, read_only
-from crankbase.choices import whole_number
+from crankbase.choices import number_within, whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, DataFrame, table
@@ -27,23 +27,14 @@ MOST_EVALUATIONS, MOST_MOMENTS = 150_000, 500_000
 def run_time(duration: float) -> float:
     """Return the duration of a motion [s], checked."""
     time = positive_number("duration", duration, "s", "time runs forward")
-    if time > LONGEST_RUN:
-        raise InputError(
-            f"duration: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
-            "followed turn by turn."
-        )
-    return time
+    reason = "a motion is followed turn by turn"
+    return number_within("duration", time, 0.0, LONGEST_RUN, "s", reason)
 
 
 def turns_followed(turns: float) -> float:
     """Return a number of revolutions of a motion, checked."""
     number = positive_number("turns", turns, "", "the shaft turns forward")
-    if number > MOST_TURNS:
-        raise InputError(
-            f"turns: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
-            "itself."
-        )
-    return number
+    return number_within("turns", number, 0.0, MOST_TURNS, "", "each is followed by itself")
 
 
 def evaluation_counter(

@@ -41,12 +41,16 @@ def equation_text(fitted: FittedForm, *, symbol: str, unit: str, basis: Basis = 
         return _process_text(fitted, fitted.process, symbol)
     if basis == "groups":
         symbol, unit, size = SCALES[unit].symbol.format(symbol), "", 1.0
-        shown = [_group_label(name) for name in fitted.factors]
+        shown = [
+            factor_label(name) if "=" in name else FactorLabel(f"({name})", "", 1.0)
+            for name in fitted.factors
+        ]
     else:
         size = _response_scale(fitted)
         shown = [factor_label(name) for name in fitted.factors]
     sizes = [label.size for label in shown]
-    if _is_power_law(fitted):
+    linear = all(len(term) < 2 for term in fitted.terms)
+    if linear and fitted.logarithmic and all(fitted.log_factors):
         natural = fitted.natural_coefficients(sizes)
         return _power_law_text(natural, shown, symbol, unit, _digits_needed(fitted, natural, sizes))
     natural = fitted.natural_coefficients(sizes, size)
@@ -86,16 +90,6 @@ def _process_text(fitted: FittedForm, process: GaussianProcess, symbol: str) -> 
         f"{noises[0]:.2g} of values{f', {noises[1]:.2g} of slopes' * bool(slopes)}; length scales in halves "
         f"of the ranges: {', '.join(f'{label} {scale:.3g}' for label, scale in scales)}"
     )
-
-
-def _group_label(name: str) -> FactorLabel:
-    plain = factor_label(name)
-    return plain if "=" in name else FactorLabel(f"({name})", "", 1.0)
-
-
-def _is_power_law(fitted: FittedForm) -> bool:
-    linear = all(len(term) < 2 for term in fitted.terms)
-    return fitted.logarithmic and linear and all(fitted.log_factors)
 
 
 def _power_law_text(
@@ -181,7 +175,11 @@ def _digits_needed(
     fitted: FittedForm, natural: Mapping[Term, float], sizes: Sequence[float]
 ) -> int:
     """Return the least number of digits, 6 or more, with which the printed equation predicts the same."""
-    coded = _trial_points(len(fitted.factors))
+    count = len(fitted.factors)
+    if count <= _FACTORS_TRIED_FULLY:
+        coded = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=count)))
+    else:
+        coded = np.random.default_rng(0).integers(-1, 2, size=(2000, count)).astype(np.float64)
     raw = np.asarray(fitted.center) + coded * np.asarray(fitted.half_range)
     logged = np.asarray(fitted.log_factors)
     units = np.where(logged, raw - np.log(sizes), raw / np.asarray(sizes))
@@ -200,13 +198,6 @@ def _digits_needed(
         if error <= PRINTED_EQUATION_ERROR:
             return digits
     return LARGEST_DIGITS
-
-
-def _trial_points(factors: int) -> Array:
-    if factors <= _FACTORS_TRIED_FULLY:
-        return np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=factors)))
-    generator = np.random.default_rng(0)
-    return generator.integers(-1, 2, size=(2000, factors)).astype(np.float64)
 
 
 def term_effects(fitted: FittedForm) -> tuple[list[str], Array]:

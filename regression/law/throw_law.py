@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import Array, Flags, finite_array
-from crankbase.choices import check_kind, is_number
-from crankbase.errors import InputError, quoted
+from crankbase.choices import check_kind, number_within
+from crankbase.errors import InputError
 from crankbase.summaries import frozen
 from geometry.throw import COLLAR_MARGIN, CrankThrow
 from geometry.throw_dimensions import Web, web_dimension
@@ -933,12 +933,8 @@ def _picked(of_throw: Ratios, shape: tuple[int, ...], where: Flags) -> dict[str,
 def check_material(youngs_modulus: float, poisson_ratio: float) -> None:
     """Refuse an invalid Young's modulus, and a Poisson's ratio outside the law (`InputError`)."""
     check_youngs_modulus(youngs_modulus)
-    low, high = POISSON_RANGE
-    if not (is_number(poisson_ratio) and low <= poisson_ratio <= high):
-        raise InputError(
-            f"poisson_ratio: given {quoted(poisson_ratio)}; allowed for the law is {low:g} to {high:g}, "
-            "because its training throws have 0.3."
-        )
+    reason = "the training throws of the law have 0.3"
+    number_within("poisson_ratio", poisson_ratio, *POISSON_RANGE, "", reason)
 
 
 def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:

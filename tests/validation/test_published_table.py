@@ -14,7 +14,6 @@ import math
 import pytest
 
 from comparing import close
-from crankbase.errors import InputError
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import data_folder
 from parts_in_a_line import crank_throw
@@ -172,17 +171,3 @@ def test_column_of_tsniimf_with_a_plain_web(table, figure):
     for variant in ("printed", "corrected"):
         value = axial_formula("TsNIIMF", throw, variant=variant).value
         assert abs(math.log(value / printed)) > math.log(1.25)
-
-
-def test_file_that_is_no_such_table_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"nowhere\.csv: given as the published table"):
-        read_published_table(tmp_path / "nowhere.csv")
-    path = tmp_path / "other.csv"
-    path.write_text("a,b\n1,2\n", encoding="utf-8")
-    with pytest.raises(InputError, match="given columns a, b; allowed are engine"):
-        read_published_table(path)
-    text = TABLE.read_text(encoding="utf-8")
-    for wrong, match in (("x.3936", "row 1 of the table"), ("-1.3936", "row 1 gives -1.3936")):
-        path.write_text(text.replace("1.3936", wrong), encoding="utf-8")
-        with pytest.raises(InputError, match=match):
-            read_published_table(path)
