@@ -38,6 +38,15 @@ def check_some(field: str, items: Sized, because: str) -> None:
         raise InputError(f"{field}: given none; allowed are one or more, because {because}.")
 
 
+def check_one_each(field: str, count: int, wanted: int, of: str) -> None:
+    """Refuse another number of values than one for each of something."""
+    if count != wanted:
+        raise InputError(
+            f"{field}: given {count} values for {wanted} {of}; allowed is one for each, because each has "
+            "its own."
+        )
+
+
 def check_not_given(option: str, setting: object, shown: str, because: str) -> None:
     """Refuse an option that does not apply to the chosen plot.
 

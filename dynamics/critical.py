@@ -14,7 +14,7 @@ from crankbase.array_checks import (
     positive_number,
     positive_vector,
 )
-from crankbase.choices import check_some, number_within
+from crankbase.choices import check_one_each, check_some, number_within
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.quantity import RPM
@@ -323,11 +323,7 @@ def vector_sums(
     angles = finite_vector("firing_angles", firing_angles)
     check_some("firing_angles", angles, "each cylinder fires")
     shares = np.ones(angles.size) if weights is None else finite_vector("weights", weights)
-    if shares.size != angles.size:
-        raise InputError(
-            f"weights: given {shares.size} values for {angles.size} firing angles; allowed are "
-            f"exactly {angles.size}, because there is one for each cylinder."
-        )
+    check_one_each("weights", shares.size, angles.size, "firing angles")
     phasors = np.exp(1j * np.outer(excited, angles))
     return np.asarray(np.abs(phasors @ shares), dtype=np.float64)
 

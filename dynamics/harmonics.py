@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import Array, finite_vector, positive_number, radians_of, read_only
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, check_one_each
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
@@ -262,11 +262,7 @@ def harmonics(
     coefficients = weights * transform[1:]
     if angles_deg is not None:
         angles = finite_vector("angles_deg", angles_deg)
-        if angles.size != count:
-            raise InputError(
-                f"angles_deg: given {angles.size} angles; allowed are exactly {count}, because there "
-                "is one for each sample."
-            )
+        check_one_each("angles_deg", angles.size, count, "samples")
         check_even_cycle("angles_deg", angles, cycle_degrees(strokes))
         coefficients *= np.exp(-1j * orders * np.radians(float(angles[0])))
     cosine, sine = coefficients.real, -coefficients.imag

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import Array, Flags, nonnegative_number, nonnegative_vector
-from crankbase.choices import is_whole_within, whole_within
+from crankbase.choices import check_one_each, is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
 
 T = TypeVar("T")
@@ -39,11 +39,7 @@ def values_at_nodes(
             array[node_index(name, node, count)] = nonnegative_number(name, value, unit, reason)
         return array
     array = nonnegative_vector(field, values, unit, reason)
-    if array.size != count:
-        raise InputError(
-            f"{field}: given {array.size} values; allowed are exactly {count}, "
-            "because there is one for each node."
-        )
+    check_one_each(field, array.size, count, "nodes")
     return array
 
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.array_checks import Array, positive_vector
 from crankbase.choices import (
     check_choice,
+    check_one_each,
     check_some,
     is_whole_within,
     number_within,
@@ -141,10 +142,7 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
 
 def scale_factors(chain: Chain, spreads: Sequence[Spread], factors: Array) -> dict[str, Array]:
     """Return for each field of the chain the scale factors of its values, (N, size) each."""
-    if factors.shape[1] != len(spreads):
-        raise InputError(
-            f"factors: given {factors.shape[1]} for {len(spreads)} spreads; allowed is one for each."
-        )
+    check_one_each("factors", factors.shape[1], len(spreads), "spreads")
     fields = (*dict.fromkeys(field for field, _ in FIELDS.values()),)
     scales = {field: np.ones((len(factors), len(getattr(chain, field)))) for field in fields}
     for spread, column in zip(spreads, factors.T, strict=True):

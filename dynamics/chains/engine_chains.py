@@ -15,7 +15,7 @@ from crankbase.array_checks import (
     positive_number,
     positive_vector,
 )
-from crankbase.choices import check_choice, check_some, whole_number
+from crankbase.choices import check_choice, check_one_each, check_some, whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
@@ -153,7 +153,7 @@ def axial_chain(
     """
     compliances = _checked_compliances(throw_compliances, "m/N")
     masses = positive_vector("throw_masses", throw_masses, "kg", "every throw has mass")
-    _check_one_per_throw("throw_masses", masses, compliances)
+    check_one_each("throw_masses", masses.size, compliances.size, "throws")
     count = compliances.size
     thrust = node_index("thrust_node", thrust_node, count + 1)
     bearing = nonnegative_number(
@@ -258,7 +258,7 @@ def torsional_chain(
     inertias = positive_vector(
         "throw_inertias", throw_inertias, "kg m^2", "every throw has inertia"
     )
-    _check_one_per_throw("throw_inertias", inertias, compliances)
+    check_one_each("throw_inertias", inertias.size, compliances.size, "throws")
     flywheel = positive_number(
         "flywheel_inertia", flywheel_inertia, "kg m^2", "the chain ends at the flywheel"
     )
@@ -321,14 +321,6 @@ def _checked_compliances(throw_compliances: ArrayLike, unit: str) -> Array:
     )
     check_some("throw_compliances", compliances, "a crankshaft has a throw")
     return compliances
-
-
-def _check_one_per_throw(field: str, values: Array, compliances: Array) -> None:
-    if np.size(values) != np.size(compliances):
-        raise InputError(
-            f"{field}: given {values.size} values for {compliances.size} compliances; allowed are "
-            f"exactly {compliances.size}, because there is one for each throw."
-        )
 
 
 Reciprocating = Literal["half", "mean"]

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import model_validator
 
 from crankbase.array_checks import Array, ComplexArray
+from crankbase.choices import check_one_each
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
 
@@ -172,11 +173,7 @@ class Variation(InputModel):
                     f"variation.{name}: given without {axis}; allowed are both, because the spring does not "
                     f"vary over the {axis}."
                 )
-        if torques.size != len(speeds):
-            raise InputError(
-                f"variation.at_torque: given {torques.size} values at {len(speeds)} speeds; allowed is one "
-                "at each of at_speed, because torques between are interpolated."
-            )
+        check_one_each("variation.at_torque", torques.size, len(speeds), "speeds")
         return self
 
     def of(self, stiffness: float, loss_factor: float = 0.0, damping: float = 0.0) -> "VaryingPart":

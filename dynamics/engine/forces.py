@@ -19,7 +19,7 @@ from crankbase.array_checks import (
     radians_of,
     turning_speeds,
 )
-from crankbase.choices import check_some, is_whole, whole_within
+from crankbase.choices import check_one_each, check_some, is_whole, whole_within
 from crankbase.diagrams import (
     BLUE,
     GREEN,
@@ -133,11 +133,7 @@ def reduced_inertia(
     InputError
         If an angle is not a finite number, they are radians, or there is not one model for each cylinder.
     """
-    if len(models) != len(engine.cylinders):
-        raise InputError(
-            f"models: given {len(models)} for {len(engine.cylinders)} cylinders; allowed is one for each, "
-            "because each cylinder has a rod."
-        )
+    check_one_each("models", len(models), len(engine.cylinders), "cylinders")
     shaft_angles = radians_of("shaft_angles_deg", shaft_angles_deg)
     inertia = np.full(shaft_angles.shape, float(engine.shaft_inertia))
     derivative = np.zeros(shaft_angles.shape)

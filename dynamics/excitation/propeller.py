@@ -15,7 +15,7 @@ from crankbase.array_checks import (
     positive_number,
     turning_speeds,
 )
-from crankbase.choices import check_choice, whole_number
+from crankbase.choices import check_choice, check_one_each, whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain, speed_ratios
@@ -98,11 +98,7 @@ class PropellerForces:
                 if phases is None
                 else finite_vector(f"propeller_forces.{kind}_phases", phases)
             )
-            if phases.size != shares.size:
-                raise InputError(
-                    f"propeller_forces.{kind}_phases: given {phases.size} for {shares.size} shares; allowed "
-                    "is one for each, because each harmonic has its own."
-                )
+            check_one_each(f"propeller_forces.{kind}_phases", phases.size, shares.size, "shares")
             object.__setattr__(self, f"{kind}_shares", shares)
             object.__setattr__(self, f"{kind}_phases_deg", phases)
 

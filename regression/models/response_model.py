@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
+from crankbase.choices import check_one_each
 from crankbase.errors import InputError
 from regression.fits.forms import FittedForm, code
 from regression.throw_values import format_value
@@ -127,11 +128,7 @@ class ResponseModel(FittedForm):
         if len(set(self.factors)) != len(self.factors):
             raise InputError(f"factors: given {list(self.factors)}; each is allowed once.")
         for name, values in (("lowest", self.lowest), ("highest", self.highest)):
-            if len(values) != len(self.factors):
-                raise InputError(
-                    f"{name}: given {len(values)} numbers; allowed are {len(self.factors)}, one "
-                    "for each factor."
-                )
+            check_one_each(name, len(values), len(self.factors), "factors")
         for factor, low, high in zip(self.factors, self.lowest, self.highest, strict=True):
             if not low < high:
                 raise InputError(
