@@ -144,9 +144,9 @@ def number_within(
         If it is not.
     """
     if not is_number(number) or not low <= number <= high:
-        given = f"{number:g} {unit}".rstrip() if is_number(number) else quoted(number)
+        shown = f"{number:g} {unit}".rstrip() if is_number(number) else quoted(number)
         allowed = f"{low:g} to {high:g} {unit}".rstrip()
-        raise InputError(f"{field}: given {given}; allowed is {allowed}, because {reason}.")
+        raise InputError(f"{field}: given {shown}; allowed is {allowed}, because {reason}.")
     return float(number)
 
 
