@@ -522,6 +522,7 @@ def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle_deg: A
 
 def allowed_heat(state: CycleSamples, heat: float) -> float:
     """Return a heat [J] whose peak is not above that of real engines."""
+    nonnegative_number("heat", heat, "J", "combustion releases heat")
     most = state.heat_for_peak(HIGHEST_PEAK)
     peak = f"{format_mpa(HIGHEST_PEAK)}, which no piston engine withstands"
     return number_within("heat", heat, 0.0, most, "J", f"more drives the peak above {peak}")

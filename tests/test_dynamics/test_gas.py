@@ -521,7 +521,7 @@ def test_names_without_their_unit_are_refused():
         ({}, "heat: given neither it nor peak_pressure nor mean_effective_pressure"),
         ({"heat": 1.0, "peak_pressure": 1e7}, "heat: given together with"),
         ({"heat": -1.0}, "heat: given -1 J; allowed are finite numbers of zero or more"),
-        ({"heat": 1e6}, r"heat: given 1e\+06 J; allowed are 0 to 3\d+\.?\d* J, because more"),
+        ({"heat": 1e6}, r"heat: given 1e\+06 J; allowed is 0 to 3\d+\.?\d* J, because more"),
         ({"peak_pressure": 5e6}, r"peak_pressure: given 5 MPa; allowed are 8\.865 MPa to 50 MPa"),
         ({"peak_pressure": 6e7}, "peak_pressure: given 60 MPa; allowed are"),
         ({"peak_pressure": np.nan}, "peak_pressure: given nan; allowed are"),
