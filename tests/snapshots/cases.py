@@ -28,11 +28,23 @@ QUICK = {
     **of_each(["harmonics {}"], ENGINES),
     **of_each(["vibration {}"], CHAINS),
     **of_each(["lookup law --throw {}"], THROWS),
-    "harmonics-table": both("harmonics yamz5340_torque_one_throw.csv --firing-order 1-3-4-2"),
+    "harmonics-table": (
+        *both("harmonics yamz5340_torque_one_throw.csv --firing-order 1-3-4-2"),
+        "harmonics yamz5340_torque_one_throw.csv --firing-order 1-2 --full",
+        "harmonics yamz5340_torque_one_throw.csv --orders 2",
+        "harmonics 6chn25-34 --orders 2",
+    ),
     "formulas-published": both("formulas --published"),
-    "formulas-without-elements": both("formulas 6chn25-34 --no-fe --gamma 120"),
+    "formulas-without-elements": (
+        *both("formulas 6chn25-34 --no-fe --gamma 120"),
+        "formulas 6s50mc-c --no-fe --variant printed --full",
+    ),
     "plan": (*both("plan 6chn25-34"), "plan yamz-5340", "plan 5rt-flex50d"),
-    "two-mass": (*both("two-mass yamz-5340"), "two-mass yamz-5340 --order 14.5"),
+    "two-mass": (
+        *both("two-mass yamz-5340"),
+        "two-mass yamz-5340 --order 14.5",
+        "two-mass yamz-5340 --order 4",
+    ),
     "imperial": tuple(
         f"{line} {IMPERIAL}"
         for line in ("throw 6chn25-34", "vibration mwm-six", "harmonics 6chn25-34 --full")
