@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,10 +12,7 @@ from crankbase.results import Result, result
 from crankbase.sentences import amount, apart, finished, joined, kept, sentence
 from crankbase.table import SI, Main, OutputUnits
 from crankfem.analyses.assumptions import input_values
-from crankfem.analyses.self_checks import Check
 from crankfem.analyses.shaft.chains import MOTION
-from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
-from crankfem.analyses.strength.engine_strength import EngineStrength
 from crankfem.analyses.vibration.assessment import Assessment
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
@@ -31,13 +29,18 @@ from dynamics.wording import (
     shares_of_peak,
 )
 
+if TYPE_CHECKING:  # vibration alone has neither
+    from crankfem.analyses.self_checks import Check
+    from crankfem.analyses.strength.cycle_fatigue import EngineFatigue
+    from crankfem.analyses.strength.engine_strength import EngineStrength
+
 RESONANT = ("at resonance", "near resonance")
 # Of what orders at resonance make together, the share from which a mode is named.
 LEAST_SHARE = 0.1
 DIGITS = 3
 
 
-def headline(vibration: EngineVibration, strength: EngineStrength | None = None) -> str:
+def headline(vibration: EngineVibration, strength: "EngineStrength | None" = None) -> str:
     """Return the verdict of a run in a few words."""
     words = _of_vibration(vibration)
     if too_weak(strength) and verdict_status(vibration) != "not acceptable":
@@ -53,7 +56,7 @@ def verdict_status(vibration: EngineVibration) -> str:
     return "undecided" if assessment.undecided else assessment.verdict.status
 
 
-def too_weak(strength: EngineStrength | None) -> bool:
+def too_weak(strength: "EngineStrength | None") -> bool:
     """Whether the crankshaft's strength was judged, and is less than required."""
     return strength is not None and strength.passed is False
 
@@ -95,7 +98,7 @@ def misfiring_decides(vibration: EngineVibration) -> bool:
     return assessment.verdict.status != "not acceptable" or assessment.undecided
 
 
-def verdict_line(vibration: EngineVibration, strength: EngineStrength | None = None) -> str:
+def verdict_line(vibration: EngineVibration, strength: "EngineStrength | None" = None) -> str:
     """Return the verdict of a run in one line: the headline, and the limit that decides."""
     assessment = vibration.assessment
     if assessment is None:
@@ -136,9 +139,9 @@ class Grounds:
     highest_order: float
     warnings: tuple[str, ...] = ()
     warned_fields: tuple[str, ...] = ()
-    strength: EngineStrength | None = None
-    fatigue: EngineFatigue | None = None
-    checks: tuple[Check, ...] = ()
+    strength: "EngineStrength | None" = None
+    fatigue: "EngineFatigue | None" = None
+    checks: "tuple[Check, ...]" = ()
 
 
 @result("about", "section")
@@ -381,7 +384,7 @@ def _axial_amplitude(grounds: Grounds) -> str:
     return f" ({amplitude} at the free end at {speed_shown(float(forced.speeds[inside][worst]))})"
 
 
-def failed_checks(checks: Sequence[Check]) -> str:
+def failed_checks(checks: "Sequence[Check]") -> str:
     """Name the self-checks that fail, and whether the calculation itself holds; nothing if all hold."""
     judged = [check for check in checks if check.met is not None]
     failed = [check for check in judged if not check.met]
@@ -405,7 +408,7 @@ def failed_checks(checks: Sequence[Check]) -> str:
     return f"{told} {'; '.join(named)}."
 
 
-def _calculation_fails(checks: Sequence[Check]) -> bool:
+def _calculation_fails(checks: "Sequence[Check]") -> bool:
     """Whether a check of the calculation itself fails: one with an allowed figure."""
     return any(check.met is False and check.allowed is not None for check in checks)
 
