@@ -85,6 +85,10 @@ def test_q_squared_equals_refitting_without_each_run(form, drop_terms):
     assert found.q_squared == close(expected, rel=1e-9)
 
 
+def test_a_fit_is_shown_in_a_line():
+    assert f"at {len(HELDOUT)} held out" in repr(fit("linear"))
+
+
 def test_as_many_runs_as_coefficients_has_no_q_squared():
     x = np.array([[0.27], [0.30], [0.33]])
     found = fit_form("quadratic", ("web_width",), x, [3.0, 2.0, 1.5])
