@@ -124,7 +124,8 @@ def test_a_dimension_of_another_unit_is_refused(model, factor):
 def test_models_are_shown_in_a_line(model):
     """Responses by name and factors, and none of the equations' numbers."""
     assert repr(model) == str(model)
-    assert "web_width 270 mm to 330 mm" in repr(model)
+    for shown in (model, model.responses["mass"]):
+        assert "web_width 270 mm to 330 mm" in repr(shown)
     assert len(repr(model)) < 500
     found = repr(model.lookup("axial_compliance", **MIDDLE))
     assert found.startswith(f"Lookup({model.responses['axial_compliance'].symbol} = 1.")

@@ -100,6 +100,7 @@ def test_lightest_throw_against_a_grid(model):
     assert found.lookups["axial_compliance"].upper == close(check.worst, rel=1e-12)
     assert all(answer.inside for answer in found.lookups.values())
     assert found.throw.web_thickness == found.factors["web_thickness"]
+    assert all(name in repr(found) for name in ("web_thickness", "axial_compliance"))
 
 
 @pytest.mark.slow
