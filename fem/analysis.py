@@ -5,7 +5,7 @@ twice the energy of the error. That energy is estimated element by element from 
 (`fem.correction`); the next mesh gets small elements where it is large.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -88,7 +88,7 @@ from fem.symmetry import (
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.mass import MassProperties, mass_properties
 from geometry.mesh import ThrowMesh
-from geometry.mesher import Throw, expected_unknowns, mesh_isolated
+from geometry.mesher import Mesher, Throw, expected_unknowns, mesh_isolated
 from geometry.sizes import SizeMap, element_sizes, sizes_at_corners
 from geometry.throw import CrankThrow
 
@@ -914,9 +914,6 @@ AIM_AGAIN = 0.85
 MOST_REFINEMENTS = 5
 # The finest mesh has at most about so many times the unknowns of the first, divided by the accuracy.
 GROWTH_FILLETED, GROWTH_SHARP = 0.0095, 0.030
-
-# Makes the mesh of a throw: size factor, part, and element sizes instead of the planned ones.
-Mesher = Callable[[Throw, float, str, SizeMap | None], ThrowMesh]
 
 
 @dataclass(frozen=True)

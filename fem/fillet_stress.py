@@ -49,7 +49,7 @@ from numpy.typing import NDArray
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
-from fem.analysis import Mesher, check_solving_memory
+from fem.analysis import check_solving_memory
 from fem.fillet_peaks import (
     RULE_LOADS,
     WISHED_SIZE,
@@ -80,7 +80,7 @@ from fem.superelement import EndSections
 from fem.symmetry import radial_directions
 from fem.wished_accuracy import STRESS_ACCURACY
 from geometry.mesh import ThrowMesh
-from geometry.mesher import Throw, mesh_isolated
+from geometry.mesher import Mesher, Throw, mesh_isolated
 from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
 from geometry.sizes import SizeMap
 from geometry.throw import CrankThrow

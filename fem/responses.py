@@ -16,12 +16,14 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import MeshError
 from crankbase.table import text_rows
-from fem.analysis import Mesher, Problem, solve_to_accuracy
+from fem.analysis import Problem, RefinementLevel, solve_level, solve_to_accuracy
 from fem.angle_law import effective_angle_law
 from fem.correction import error_bars, slope_errors
 from fem.fillet_stress import fillet_stresses
 from fem.material import STEEL, Material
+from fem.moved_mesh import MovedMesh, ReferenceMesh
 from fem.sensitivities import VOLUME_ERROR, dimension_changes
 from fem.solver import Stopwatch
 from fem.superelement import RX, RY, Superelement, checked_superelement, combine_classes
@@ -29,7 +31,7 @@ from fem.supports import Neighbors, Support, all_end_motions, support_throw
 from fem.symmetry import SHARED, degree_of, radial_directions, symmetry_classes
 from geometry.boundary_motion import STEP
 from geometry.mass import mass_properties
-from geometry.mesher import mesh_isolated
+from geometry.mesher import Mesher, mesh_isolated
 from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]
@@ -175,6 +177,8 @@ class ThrowResponses:
     slope_errors : dict
         Estimated error of the slopes of each response. They are those of the mesh's own answer, without its
         correction, whose slopes would take two to three times as long as the rest.
+    moved : MovedMesh or None
+        The mesh, where it was moved.
     """
 
     values: dict[str, float]
@@ -182,6 +186,7 @@ class ThrowResponses:
     unknowns: int
     slopes: dict[str, dict[str, float]] = field(default_factory=dict)
     slope_errors: dict[str, float] = field(default_factory=dict)
+    moved: MovedMesh | None = None
 
 
 def evaluate_throw(
@@ -192,6 +197,7 @@ def evaluate_throw(
     mesher: Mesher = mesh_isolated,
     slopes: Collection[str] = (),
     further: Further = lambda *_: {},
+    reference: ReferenceMesh | None = None,
 ) -> ThrowResponses:
     """Compute all responses of a throw.
 
@@ -209,6 +215,9 @@ def evaluate_throw(
         Paths of dimensions over which slopes are wanted (`fem.sensitivities`); the fillets' stress has none.
     further : callable
         Returns answers by name, to be treated as the others, from throw, superelement, mass and inertia.
+    reference : ReferenceMesh, optional
+        Whose mesh is moved, so that the answers have its accuracy. If it cannot be moved to this throw, the
+        throw is meshed as without it.
 
     Raises
     ------
@@ -218,7 +227,11 @@ def evaluate_throw(
         If the throw cannot be meshed or solved.
     """
     problem = Problem(material, "auto", "rigid", Stopwatch(), degree_of(SHARED))
-    level = solve_to_accuracy(throw, accuracy, problem, mesher)
+    moved, level = None, None
+    if reference is not None:
+        moved, level = _solve_moved(throw, reference, problem)
+    if level is None:
+        level = solve_to_accuracy(throw, accuracy, problem, mesher)
     part = level.mesh.part
     classes = level.condense(symmetry_classes(part), problem)
     radials = radial_directions(throw)
@@ -268,12 +281,20 @@ def evaluate_throw(
             joined=True,
             corrected=False,
             paths=slopes,
+            motion=reference.motion_at(throw, moved.tier, slopes) if reference and moved else None,
         )
         by_path = {}
         for path, change in changes.items():
             grown = mass * (1.0 + STEP * change.mass), inertia * (1.0 + STEP * change.inertia)
             larger = answered(change.throws[1], change.ends[1], *grown)
             by_path[path] = _shares(larger, plain) | {"mass": change.mass}
+            if moved:
+                # To the last digits those of the mesh, from either side.
+                shrunk = 2.0 * mass - grown[0], 2.0 * inertia - grown[1]
+                smaller = _shares(answered(change.throws[0], change.ends[0], *shrunk), plain)
+                by_path[path] |= {
+                    name: 0.5 * (by_path[path][name] - share) for name, share in smaller.items()
+                }
         shares = {
             name: {path: by_name[name] for path, by_name in by_path.items() if name in by_name}
             for name in order
@@ -294,7 +315,20 @@ def evaluate_throw(
         level.mesh.unknowns,
         {name: of_paths for name, of_paths in shares.items() if of_paths},
         {name: slope_bars[name] for name, of_paths in shares.items() if of_paths},
+        moved,
     )
+
+
+def _solve_moved(
+    throw: CrankThrow, reference: ReferenceMesh, problem: Problem
+) -> tuple[MovedMesh | None, RefinementLevel | None]:
+    """Solve a throw on the mesh of another; None twice if it is no good one for this throw."""
+    try:
+        moved = reference.at(throw)
+    except MeshError:
+        return None, None
+    level = solve_level(moved.mesh, problem)
+    return (None, None) if level.axial_part.discrete is None else (moved, level)
 
 
 def _shares(larger: Mapping[str, float], plain: Mapping[str, float]) -> dict[str, float]:

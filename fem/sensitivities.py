@@ -16,7 +16,7 @@ corrected answers.
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,6 +156,14 @@ class Sensitivities(Result):
         return table(columns).set_index("dimension")
 
 
+class NodeMotion(NamedTuple):
+    """Velocities (n, 3) of a mesh's nodes, by dimension; the rest as of a `BoundaryMotion`."""
+
+    velocities: dict[str, Array]
+    beside: dict[str, tuple[CrankThrow, CrankThrow]]
+    left_out: dict[str, str]
+
+
 @dataclass(frozen=True)
 class DimensionChange:
     """Change of a throw with one of its dimensions.
@@ -249,6 +257,7 @@ def dimension_changes(
     joined: bool,
     corrected: bool,
     paths: Collection[str] | None = None,
+    motion: NodeMotion | None = None,
 ) -> tuple[dict[str, DimensionChange], dict[str, str]]:
     """Find the change of a throw with its dimensions, and why some have none.
 
@@ -262,16 +271,23 @@ def dimension_changes(
         Whether of the corrected throw, which takes as long as to solve it, or of the mesh's own answers.
     paths : collection of str, optional
         Of the dimensions; all by default.
+    motion : NodeMotion, optional
+        Of the mesh where it was moved; by default as smooth as the motion of the surface lets it be.
     """
     solved = check_sloped(throw, classes[0].end_sections)
     parts = [part if joined else part.up_to(RIGID) for part in classes]
     plain = [part.discrete or part for part in parts]
-    motion = boundary_motion(solved, mesh, paths)
-    if not motion.speeds:
+    surface = boundary_motion(solved, mesh, paths) if motion is None else None
+    if surface is not None:
+        motion = NodeMotion({}, surface.beside, surface.left_out)
+    assert motion is not None
+    if not (motion.velocities or (surface and surface.speeds)):
         return {}, motion.left_out
     adjoints = error_adjoints(mesh, material, plain) if corrected else None
-    errors = None if adjoints is None else np.sum([each.shares for each in adjoints], axis=0)
-    velocities = node_velocities(mesh, motion, classes[0].solver, errors)
+    velocities = motion.velocities
+    if surface is not None:
+        errors = None if adjoints is None else np.sum([each.shares for each in adjoints], axis=0)
+        velocities = node_velocities(mesh, surface, classes[0].solver, errors)
     moving = list(velocities.values())
     by_class = class_slopes(mesh, material, plain, moving, adjoints)
     masses = mass_slopes(mesh, moving)

@@ -118,11 +118,12 @@ def boundary_motion(
     """
     surfaces = bounding_surfaces(throw.parts, mesh.part)
     levels = [surface.level for surface in surfaces.values()]
-    numbers, nodes = _conditions(surfaces, mesh)
+    numbers, nodes = surface_conditions(surfaces, mesh)
     points = mesh.points[nodes]
     gradients = np.column_stack(
         [
-            _values(levels, numbers, points + shift) - _values(levels, numbers, points - shift)
+            level_values(levels, numbers, points + shift)
+            - level_values(levels, numbers, points - shift)
             for shift in mesh.length * STEP * np.eye(3)
         ]
     )
@@ -149,15 +150,18 @@ def boundary_motion(
             left_out[path] = "the throw's surfaces are others on both sides of it"
             continue
         less, more = (
-            _values([surface.level for surface in end.values()], numbers, points) for end in ends
+            level_values([surface.level for surface in end.values()], numbers, points)
+            for end in ends
         )
         speeds[path] = -(more - less) / (2.0 * STEP * value)
         beside[path] = (low, high)
     return BoundaryMotion(nodes, normals, speeds, beside, left_out)
 
 
-def _conditions(surfaces: Mapping[str, Surface], mesh: ThrowMesh) -> tuple[Integers, Integers]:
-    """Surface and node of each condition.
+def surface_conditions(
+    surfaces: Mapping[str, Surface], mesh: ThrowMesh
+) -> tuple[Integers, Integers]:
+    """Number of the surface (c,) and node (c,) of each condition on a mesh's nodes, by ascending surface.
 
     Raises
     ------
@@ -192,7 +196,7 @@ def _conditions(surfaces: Mapping[str, Surface], mesh: ThrowMesh) -> tuple[Integ
     return numbers, nodes
 
 
-def _values(levels: list[Level], numbers: Integers, points: Array) -> Array:
+def level_values(levels: list[Level], numbers: Integers, points: Array) -> Array:
     """Value of each point's level (c,); numbers ascend."""
     starts = np.flatnonzero(np.diff(numbers, prepend=-1))
     parts = zip(numbers[starts].tolist(), np.split(points, starts[1:]), strict=True)

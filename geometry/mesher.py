@@ -1,6 +1,6 @@
 """Mesh throws in a separate process, so that a crash of the mesher is contained."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol, runtime_checkable
 
 from crankbase.calls import ProcessLostError
@@ -70,6 +70,8 @@ class CadPart(Protocol):
 
 
 Throw = CrankThrow | CadPart
+# Makes the mesh of a throw: size factor, part, and element sizes instead of the planned ones.
+Mesher = Callable[[Throw, float, str, SizeMap | None], ThrowMesh]
 # Seconds that one way of meshing may take, and more for each unknown; an ordinary quarter takes 0.2 s.
 TIME_LIMIT = 60.0
 SECONDS_PER_UNKNOWN = 2e-4

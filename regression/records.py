@@ -9,6 +9,11 @@ from dataclasses import dataclass, field
 RUN, HELD_OUT, MEASURED = "run", "held out", "measured"
 # Among the inputs of designs whose slopes are computed: the dimensions over which.
 SLOPES = "slopes"
+# Among the inputs of designs whose mesh is that of another throw, moved: which throw, and over which
+# dimensions.
+MOVED = "moved"
+# How a mesh was made that was to be moved and could not be.
+MESHED = "new"
 
 
 class StudyStoppedError(RuntimeError):
@@ -40,6 +45,9 @@ class Outcome:
         Number of attempts in the run that recorded it.
     slopes, slope_errors : mapping
         As of `fem.responses.ThrowResponses`, if the inputs ask for any.
+    mesh : mapping
+        If the inputs ask for a moved mesh: how it was made, ``tier``; of one that was moved also its
+        ``quality``, the ``straightened`` elements, and the ``reference``, a hash of the mesh that was moved.
     """
 
     key: str
@@ -54,6 +62,7 @@ class Outcome:
     attempts: int = 1
     slopes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     slope_errors: Mapping[str, float] = field(default_factory=dict)
+    mesh: Mapping[str, str | float] = field(default_factory=dict)
 
     @property
     def status(self) -> str:

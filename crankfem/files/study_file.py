@@ -222,6 +222,10 @@ class StudySection(InputModel):
         None,
         description="form of all equations, like Gaussian process; by default the best of each",
     )
+    mesh: Literal["new", "moved"] = Field(
+        StudyPlan.mesh,
+        description="whether designs are meshed anew, or share meshes that are moved, with some anchors",
+    )
     constraints: tuple[Any, ...] = Field(
         default_factory=tuple,
         description='comparisons that every design fulfills, like "web_thickness >= 0.25 * pin_diameter"',
@@ -326,6 +330,7 @@ def study_plan(
         stresses=section.stresses,
         slopes=section.slopes,
         form=None if section.form is None else form_named(section.form, "study.form").name,
+        mesh=section.mesh,
     )
 
 

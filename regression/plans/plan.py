@@ -1,14 +1,14 @@
 """The plan of a study: a base throw, factors, a design, and the resulting list of designs."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 
 from crankbase.array_checks import Array, Flags
-from crankbase.choices import whole_number
+from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
 from crankbase.summaries import frozen
@@ -37,6 +37,14 @@ from regression.plans.factors import (
     throw_fields,
     unknown_field,
 )
+from regression.plans.moved_meshes import (
+    MESHES,
+    MOVED_MESH,
+    NEW_MESH,
+    Mesh,
+    MeshClass,
+    mesh_classes,
+)
 from regression.plans.relations import (
     EQUAL_WITHIN,
     Constraint,
@@ -49,7 +57,7 @@ from regression.plans.relations import (
     read_expression,
     used_names,
 )
-from regression.records import HELD_OUT, RUN, SLOPES, content_key
+from regression.records import HELD_OUT, MOVED, RUN, SLOPES, content_key
 
 # Of a factor's range, for central differences of what follows from it.
 SHIFT = 1e-5
@@ -261,6 +269,8 @@ def _check_factor(
 
 # Raise when a change of the model changes results: stored results of older versions are not used.
 MODEL_VERSION = 6
+# The same for answers on moved meshes, before they are scaled: others have keys of their own.
+MOVED_VERSION = 1
 
 
 @frozen("study: key", "factors: names", "design: design.kind", "held_out", "accuracy")
@@ -293,6 +303,10 @@ class StudyPlan:
         Whether the slopes of the responses at the runs are computed, and fitted, as well.
     form : str, optional
         Form of all equations; by default that with the smallest held-out errors is chosen for each.
+    mesh : {"new", "moved"}
+        Whether each design is meshed anew, or designs of one topology have one coarse mesh that is moved, and
+        a few designs, the anchors, also meshes of their own, to which all answers are scaled
+        (`regression.runs.moved_answers`).
 
     Raises
     ------
@@ -313,8 +327,15 @@ class StudyPlan:
     stresses: bool = False
     slopes: bool = False
     form: str | None = None
+    mesh: Mesh = NEW_MESH
 
     def __post_init__(self) -> None:
+        check_choice("study.mesh", self.mesh, MESHES, "a mesh is made, or another one is moved")
+        if self.stresses and self.mesh == MOVED_MESH:
+            raise InputError(
+                f'study.mesh: given "{MOVED_MESH}" with study.stresses; allowed is "{NEW_MESH}", because '
+                "stresses at fillets need meshes of their own."
+            )
         whole_number("study.held_out", self.held_out, 1, "these designs judge the fits")
         if all(factor.labels for factor in self.factors):
             raise InputError(
@@ -365,6 +386,7 @@ class StudyPlan:
             # Without these as before there were any, so that studies keep their keys.
             **({"slopes": True} if self.slopes else {}),
             **({"form": self.form} if self.form else {}),
+            **({"mesh": self.mesh} if self.mesh != NEW_MESH else {}),
             "model_version": MODEL_VERSION,
         }
 
@@ -392,6 +414,7 @@ class StudyPlan:
             material=Material(**record["material"]),
             slopes=record.get("slopes", False),
             form=record.get("form"),
+            mesh=record.get("mesh", NEW_MESH),
             **{name: record[name] for name in ("held_out", "seed", "accuracy", "stresses")},
         )
 
@@ -412,7 +435,8 @@ class PlannedDesign:
 
     `values` of the factors are in SI units, of a choice the label's index; `inputs` its complete inputs
     as JSON content, `key` the hash of these and the model version. `added`: whether it was added to the
-    plan later.
+    plan later. `mesh_class`: of a design on a moved mesh, the number of its topology, from 1. `ordinary`: of
+    an anchor, key and inputs of the same throw on a mesh of its own.
     """
 
     role: str
@@ -420,6 +444,8 @@ class PlannedDesign:
     inputs: dict[str, Any]
     key: str
     added: bool = False
+    mesh_class: int | None = None
+    ordinary: tuple[str, Mapping[str, Any]] | None = None
 
 
 @result("role", "reason", eq=True)
@@ -440,6 +466,12 @@ class PlannedStudy:
     excluded: tuple[ExcludedDesign, ...]
     statement: str
     remarks: tuple[str, ...] = ()
+
+    @property
+    def tasks(self) -> dict[str, Mapping[str, Any]]:
+        """What is computed: inputs by key, of the designs and of anchors on meshes of their own."""
+        ordinary = (design.ordinary for design in self.designs if design.ordinary)
+        return {design.key: design.inputs for design in self.designs} | dict(ordinary)
 
 
 def plan_designs(plan: StudyPlan) -> PlannedStudy:
@@ -480,7 +512,8 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
     held, held_excluded, _ = _draw_feasible_designs(
         plan, variants, HELD_OUT, "latin hypercube", plan.held_out, HELD_OUT_STREAM
     )
-    return PlannedStudy(plan, (*runs, *held), (*excluded, *held_excluded), statement, remarks)
+    designs = with_meshes(plan, (*runs, *held))
+    return PlannedStudy(plan, designs, (*excluded, *held_excluded), statement, remarks)
 
 
 def _split(
@@ -532,6 +565,46 @@ def planned_design(
     inputs = {"throw": throw, **plan.settings}
     if plan.slopes and role == RUN:
         inputs[SLOPES] = list(plan.moved)
-    return PlannedDesign(
-        role, values, inputs, content_key(inputs | {"model_version": MODEL_VERSION})
+    return PlannedDesign(role, values, inputs, _design_key(inputs))
+
+
+def with_meshes(
+    plan: StudyPlan, designs: tuple[PlannedDesign, ...], added: tuple[PlannedDesign, ...] = ()
+) -> tuple[PlannedDesign, ...]:
+    """Give designs on meshes of their own the moved meshes that their plan wishes for.
+
+    Classes, references and anchors follow from the designs of the plan alone, so that they are the same
+    whatever is computed already; added designs only take part in them.
+    """
+    if plan.mesh == NEW_MESH:
+        return (*designs, *added)
+    numbers = [place for place, factor in enumerate(plan.factors) if not factor.labels]
+    records = [design.inputs["throw"] for design in (*designs, *added)]
+    values = np.array([design.values for design in designs])[:, numbers]
+    classes = mesh_classes(records, values, plan.accuracy)
+    places = {place: known for known in classes for place in known.members}
+    return tuple(
+        _moved_design(plan, design, places[place], place in places[place].anchors)
+        if place in places
+        else design
+        for place, design in enumerate((*designs, *added))
     )
+
+
+def _moved_design(
+    plan: StudyPlan, design: PlannedDesign, mesh_class: MeshClass, anchor: bool
+) -> PlannedDesign:
+    moved = {"throw": mesh_class.throw, "paths": list(plan.moved), "version": MOVED_VERSION}
+    inputs = design.inputs | {MOVED: moved}
+    ordinary = {name: value for name, value in design.inputs.items() if name not in (SLOPES, MOVED)}
+    return replace(
+        design,
+        inputs=inputs,
+        key=_design_key(inputs),
+        mesh_class=mesh_class.number,
+        ordinary=(_design_key(ordinary), ordinary) if anchor else None,
+    )
+
+
+def _design_key(inputs: Mapping[str, Any]) -> str:
+    return content_key({**inputs, "model_version": MODEL_VERSION})

@@ -22,7 +22,7 @@ from geometry.throw_dimensions import changed_record
 from regression.plans.factors import Factor, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan, Variants
 from regression.plans.relations import evaluate_expression
-from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
+from regression.records import HELD_OUT, MEASURED, MOVED, RUN, ExtraRow, Outcome
 from regression.response_kinds import is_positive_response
 from regression.runs.store import ResultStore, damaged_rows_warning
 from regression.runs.study_table import (
@@ -39,7 +39,8 @@ from regression.throw_values import field_unit, format_value, same_dimension
 # Columns that say something of a row as a whole.
 ABOUT = ("role", "source", "status", "model_version")
 # Columns of exported tables that an import has no use for.
-IGNORED = ("seconds", "unknowns", "reason", "design", "file")
+MESH_COLUMNS = ("mesh_class", "mesh", "mesh_quality")
+IGNORED = ("seconds", "unknowns", "reason", "design", "file", *MESH_COLUMNS)
 HEADER = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\]\s*)?")
 
 
@@ -257,6 +258,11 @@ def columns(table: StudyTable) -> tuple[Column, ...]:
         )
         for name, over in sloped
     ]
+    if any(row.mesh for row in rows):
+        listed += [
+            Column(name, "", [row.mesh_cells[place] for row in rows])
+            for place, name in enumerate(MESH_COLUMNS)
+        ]
     listed += [
         Column("seconds", "s", [None if row.source else row.seconds for row in rows]),
         Column("unknowns", "", [row.unknowns for row in rows]),
@@ -374,7 +380,9 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
         if outcome.key in keys_here:
             finished.append(outcome)
             continue
-        row = _row_of(outcome, role, plan, store.path.name) if version == MODEL_VERSION else None
+        # Answers on a moved mesh are none until they are scaled.
+        usable = version == MODEL_VERSION and MOVED not in outcome.inputs
+        row = _row_of(outcome, role, plan, store.path.name) if usable else None
         if row is None:
             left_out += 1
             others += version != MODEL_VERSION

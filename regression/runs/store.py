@@ -25,7 +25,15 @@ from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
 from fem.responses import RESPONSES
-from regression.records import MEASURED, SLOPES, ExtraRow, Outcome, StudyStoppedError, content_key
+from regression.records import (
+    MEASURED,
+    MOVED,
+    SLOPES,
+    ExtraRow,
+    Outcome,
+    StudyStoppedError,
+    content_key,
+)
 
 # Marks our files in SQLite's header: "crfm".
 APPLICATION_ID = 0x6372666D
@@ -105,6 +113,16 @@ SLOPES_TABLE = """
         design TEXT PRIMARY KEY,       -- key in designs
         shares TEXT NOT NULL,          -- JSON: d ln(response) / d ln(dimension), by response and dimension
         errors TEXT NOT NULL,          -- JSON: estimated error of the shares of each response
+        checksum TEXT                  -- of all of the above
+    )
+    """
+
+
+# As that of slopes, for designs whose mesh was moved.
+MESHES_TABLE = """
+    CREATE TABLE IF NOT EXISTS meshes (
+        design TEXT PRIMARY KEY,       -- key in designs
+        mesh TEXT NOT NULL,            -- JSON: tier, quality, straightened elements, hash of the reference
         checksum TEXT                  -- of all of the above
     )
     """
@@ -401,6 +419,12 @@ def slope_values(outcome: Outcome) -> dict[str, object]:
     )
 
 
+def mesh_values(outcome: Outcome) -> dict[str, object]:
+    """Return what is recorded of a design's moved mesh; otherwise as `design_values`."""
+    mesh = json.dumps(dict(outcome.mesh), allow_nan=False)
+    return _with_checksum({"design": outcome.key, "mesh": mesh})
+
+
 def extra_values(study: str, key: str, row: ExtraRow) -> dict[str, object]:
     """Return the recorded values of a row from elsewhere; otherwise as `design_values`."""
     return _with_checksum(
@@ -485,6 +509,11 @@ def _check_sum(row: Mapping[str, Any], table: str) -> None:
         expected = ""
     if row[CHECKSUM] != expected:
         raise DamagedRowError("its checksum does not fit its content")
+
+
+def _check_beside(row: Mapping[str, Any], what: str) -> None:
+    if row[CHECKSUM] != checksum([cell for name, cell in row.items() if name != CHECKSUM]):
+        raise DamagedRowError(f"the checksum of its {what} does not fit its content")
 
 
 def _content(text: object, column: str, kind: type) -> Any:
@@ -664,6 +693,10 @@ class ResultStore:
                 slopes = slope_values(outcome)
                 connection.execute(SLOPES_TABLE)
                 connection.execute(_insertion("slopes", "design", slopes), slopes)
+            if outcome.status == "done" and MOVED in outcome.inputs:
+                mesh = mesh_values(outcome)
+                connection.execute(MESHES_TABLE)
+                connection.execute(_insertion("meshes", "design", mesh), mesh)
             self.damaged.pop(outcome.key, None)
 
     def outcomes(self, keys: Iterable[str]) -> dict[str, Outcome]:
@@ -679,27 +712,35 @@ class ResultStore:
         return None if row is None else self._read_or_skip(key, self._whole_design, dict(row))
 
     def _whole_design(self, row: Mapping[str, Any]) -> Outcome:
-        """Make an outcome of a design's row and that of its slopes; as `read_design`."""
+        """Make an outcome of a design's row and those of its slopes and its mesh; as `read_design`."""
         outcome = read_design(row)
-        if outcome.responses is None or SLOPES not in outcome.inputs:
+        if outcome.responses is None:
             return outcome
-        slopes_row = None
-        if _columns(self._connection, "slopes"):
-            query = "SELECT * FROM slopes WHERE design = ?"
-            slopes_row = self._connection.execute(query, (outcome.key,)).fetchone()
-        if slopes_row is None:
-            raise DamagedRowError("its slopes are missing")
+        if MOVED in outcome.inputs:
+            mesh_row = self._beside("meshes", outcome.key, "mesh")
+            outcome = replace(outcome, mesh=_content(mesh_row["mesh"], "mesh", dict))
+            _check_beside(mesh_row, "mesh")
+        if SLOPES not in outcome.inputs:
+            return outcome
+        slopes_row = self._beside("slopes", outcome.key, "slopes")
         shares = _content(slopes_row["shares"], "slopes", dict)
         for name, over in shares.items():
             if not isinstance(over, dict):
                 raise DamagedRowError(f"its slopes of {name} cannot be read")
             _check_numbers(over, f"slopes of {name}")
         errors = _numbers(slopes_row["errors"], "errors of slopes")
-        if slopes_row[CHECKSUM] != checksum(
-            [slopes_row[name] for name in ("design", "shares", "errors")]
-        ):
-            raise DamagedRowError("the checksum of its slopes does not fit them")
+        _check_beside(slopes_row, "slopes")
         return replace(outcome, slopes=shares, slope_errors=errors)
+
+    def _beside(self, table: str, key: str, what: str) -> dict[str, Any]:
+        """Read the row of a design in a table that has one of some designs alone."""
+        found = None
+        if _columns(self._connection, table):
+            query = f"SELECT * FROM {table} WHERE design = ?"
+            found = self._connection.execute(query, (key,)).fetchone()
+        if found is None:
+            raise DamagedRowError(f"its {what} {'are' if what == 'slopes' else 'is'} missing")
+        return dict(found)
 
     def _read_or_skip(
         self, place: str, read: Callable[..., Row], row: Mapping[str, Any]

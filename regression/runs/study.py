@@ -26,9 +26,11 @@ from regression.plans.plan import (
     PlannedStudy,
     StudyPlan,
     planned_design,
+    with_meshes,
 )
-from regression.records import MEASURED, RUN, ExtraRow, Outcome, content_key
+from regression.records import MEASURED, MOVED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import StoreResults, factor_value, read_rows, read_store
+from regression.runs.reference_meshes import ReferenceMeshes
 from regression.runs.store import (
     SCHEMA_VERSION,
     Claims,
@@ -89,7 +91,8 @@ def add_runs(plan: StudyPlan, store: str | Path, values: Array) -> None:
 
     `values` (n, k) are of the factors [SI], of a choice the label's index; throws can be built of them.
     """
-    listed = [_as_listed(plan, design) for design in _added(plan, values)]
+    designs = with_meshes(plan, plan.planned.designs, tuple(_added(plan, values)))
+    listed = [_as_listed(plan, design) for design in designs if design.added]
     with ResultStore(store) as results:
         results.add_designs(plan.key, listed)
 
@@ -118,8 +121,10 @@ def with_added(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
         for shown in results.added_designs(plan.key)
         if (settings := _values(plan, shown)) is not None
     ]
-    added = _added(plan, np.array(rows).reshape(-1, len(plan.factors)))
-    return replace(plan.planned, designs=(*plan.planned.designs, *added))
+    added = tuple(_added(plan, np.array(rows).reshape(-1, len(plan.factors))))
+    if not added:
+        return plan.planned
+    return replace(plan.planned, designs=with_meshes(plan, plan.planned.designs, added))
 
 
 def _values(plan: StudyPlan, shown: Mapping[str, Any]) -> tuple[float, ...] | None:
@@ -176,8 +181,9 @@ def registered_designs(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
             return planned
         design = planned_design(plan, registered[place][0], row, variant.throw)
         designs.append(replace(design, added=place >= first_added))
+    first, last = (tuple(d for d in designs if d.added == added) for added in (False, True))
     # What was excluded of the points drawn then is not known.
-    return replace(planned, designs=tuple(designs), excluded=())
+    return replace(planned, designs=with_meshes(plan, first, last), excluded=())
 
 
 Progress = Callable[[int, int, Outcome | None], None]
@@ -246,8 +252,11 @@ def run_plan(
     with ResultStore(store) as results, Claims(results.path) as claims:
         register_designs(results, plan, drawn)
         planned = with_added(results, plan)
-        unique = {design.key: design.inputs for design in planned.designs}
+        unique = planned.tasks
         known = {k: kept for k, kept in results.outcomes(unique).items() if not kept.lost}
+        same = _of_same_meshes(known, unique)
+        stale = {key: kept for key, kept in known.items() if key not in same}
+        known = same
         if results.damaged:
             note(
                 f"{damaged_rows_warning(results.damaged, store)}; their designs are computed again."
@@ -279,7 +288,7 @@ def run_plan(
                 shared = True
                 return False
             stored = results.outcomes([key]).get(key)
-            if stored is None or stored.lost:
+            if stored is None or stored.lost or stored == stale.get(key):
                 return True
             count(stored)
             return None
@@ -430,7 +439,7 @@ def import_results(
     imported, damaged = StoreResults((), (), 0), ""
     if is_database(path):
         with ResultStore(path, readonly=True) as other:
-            imported = read_store(other, plan, {design.key for design in planned.designs})
+            imported = read_store(other, plan, planned.tasks)
             damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
     else:
         imported = replace(imported, rows=read_rows(path, plan, alone=alone))
@@ -461,10 +470,25 @@ def _coinciding(
     )
 
 
+def _of_same_meshes(
+    known: Mapping[str, Outcome], wanted: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Outcome]:
+    """Leave out outcomes of a mesh that what is missing of its class would not get: by another mesher."""
+    waiting = {content_key(wanted[k][MOVED]) for k in wanted.keys() - known if MOVED in wanted[k]}
+    references = ReferenceMeshes()
+    return {
+        key: outcome
+        for key, outcome in known.items()
+        if MOVED not in wanted[key]
+        or content_key(wanted[key][MOVED]) not in waiting
+        or outcome.mesh.get("reference", "") in ("", references.digest(wanted[key]))
+    }
+
+
 def _table(
     results: ResultStore, plan: StudyPlan, planned: PlannedStudy, computed: int
 ) -> StudyTable:
-    outcomes = results.outcomes({design.key for design in planned.designs})
+    outcomes = results.outcomes(planned.tasks)
     extra = results.extra_rows(plan.key)
     return study_table(
         plan, planned.designs, outcomes, extra, planned.excluded, computed, results.damaged

@@ -18,6 +18,7 @@ from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan
 from regression.plots import design_dots, factor_size, label_factor_axis, response_text
 from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
+from regression.runs.moved_answers import ScaledAnswers, is_moved, scaled_answers
 from regression.throw_values import same_dimension
 
 Arrays = Mapping[str, Annotated[Array, Quantity("1")]]
@@ -42,6 +43,14 @@ class StudyRow(ExtraRow):
         Response to its slopes over the factors, d(response) / d(factor) [SI] by factor, where known.
     slope_errors : mapping
         Response to the estimated error of its slopes, as shares d ln(response) / d ln(dimension).
+    mesh_class : int or None
+        Of a study on moved meshes: the number of its topology.
+    mesh : str
+        How its mesh was made: "velocities" or "elastic" if it was moved, "anchor" if its answers are those of
+        a mesh of its own besides, "new" if that alone; "" in studies without moved meshes, and of imported
+        rows.
+    mesh_quality : float or None
+        Mean ratio of the flattest element of a moved mesh.
     """
 
     status: str
@@ -50,6 +59,14 @@ class StudyRow(ExtraRow):
     reason: str = ""
     slopes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     slope_errors: Mapping[str, float] = field(default_factory=dict)
+    mesh_class: int | None = None
+    mesh: str = ""
+    mesh_quality: float | None = None
+
+    @property
+    def mesh_cells(self) -> tuple[int | None, str | None, float | None]:
+        """Class, kind and quality of its mesh."""
+        return self.mesh_class, self.mesh or None, self.mesh_quality
 
 
 @result("values", "responses")
@@ -167,7 +184,8 @@ class StudyTable(DesignTable):
         pandas.DataFrame
             ``held_out``, the factors (choices as their labels), the responses, their estimated
             relative errors as "NAME error", slopes as "NAME per FACTOR" (missing where there is none),
-            and ``seconds``; units are in ``frame.attrs["units"]``.
+            of moved meshes ``mesh_class``, ``mesh`` and ``mesh_quality``, and ``seconds``; units are in
+            ``frame.attrs["units"]``.
 
         Raises
         ------
@@ -189,6 +207,12 @@ class StudyTable(DesignTable):
                 slope_name(name, factor.name): (slopes[:, place], slope_unit(name, factor))
                 for name, slopes in self.slopes.items()
                 if not factor.labels
+            }
+        cells = [row.mesh_cells for row in self.rows if row.status == DONE and row.role != MEASURED]
+        if any(kind for _, kind, _ in cells):
+            names = ("mesh_class", "mesh", "mesh_quality")
+            columns |= {
+                n: (list(c), "") for n, c in zip(names, zip(*cells, strict=True), strict=True)
             }
         return table(columns | {"seconds": (self.seconds, "s")})
 
@@ -251,9 +275,11 @@ def study_table(
     """
     damaged = dict(damaged or {})
     extra = tuple(extra)
+    scaled = scaled_answers(designs, outcomes)
+    outcomes = scaled.outcomes
     computed_rows = [_own_row(design, outcomes.get(design.key), damaged) for design in designs]
     if plan.slopes:
-        computed_rows = _with_slopes(plan, designs, computed_rows, outcomes)
+        computed_rows = _with_slopes(plan, designs, computed_rows, scaled)
     taken = [row.values for row in computed_rows if row.status == DONE]
     imported = []
     for row in extra:
@@ -307,6 +333,7 @@ def _own_row(
 ) -> StudyRow:
     throw = design.inputs["throw"]
     known = outcome or Outcome(design.key, design.inputs, None, NOT_COMPUTED, 0.0)
+    mesh, quality = str(known.mesh.get("tier", "")), known.mesh.get("quality")
     reason = known.reason or ""
     if design.key in damaged:
         reason = f"its row in the store is damaged ({damaged[design.key]}): the next run computes it again"
@@ -322,6 +349,9 @@ def _own_row(
         unknowns=known.unknowns,
         reason=reason,
         source="",
+        mesh_class=design.mesh_class,
+        mesh="anchor" if design.ordinary and is_moved(outcome) else mesh,
+        mesh_quality=None if quality is None else float(quality),
     )
 
 
@@ -329,11 +359,12 @@ def _with_slopes(
     plan: StudyPlan,
     designs: Sequence[PlannedDesign],
     rows: Sequence[StudyRow],
-    outcomes: Mapping[str, Outcome],
+    scaled: ScaledAnswers,
 ) -> list[StudyRow]:
     """Add the slopes over the factors: each is the sum over the dimensions that the factor changes."""
     variants, values = plan.variants(), np.array([design.values for design in designs])
-    known = [outcomes.get(design.key) for design in designs]
+    known = [scaled.outcomes.get(design.key) for design in designs]
+    trends = [scaled.trends.get(design.key, {}) for design in designs]
     slopes: list[dict[str, dict[str, float]]] = [{} for _ in designs]
     for place, factor in enumerate(plan.factors):
         if factor.labels:
@@ -347,9 +378,12 @@ def _with_slopes(
             for name, shares in (outcome.slopes if outcome else {}).items():
                 if all(path in shares for path in moved):
                     terms = (shares[path] * changes[path][row] / sizes[path][row] for path in moved)
-                    slopes[row].setdefault(name, {})[factor.name] = rows[row].responses[
-                        name
-                    ] * float(sum(terms))
+                    share = float(sum(terms))
+                    if name in trends[row]:
+                        share += float(trends[row][name][place])
+                    slopes[row].setdefault(name, {})[factor.name] = (
+                        rows[row].responses[name] * share
+                    )
     return [
         replace(row, slopes=row_slopes, slope_errors=outcome.slope_errors if outcome else {})
         for row, row_slopes, outcome in zip(rows, slopes, known, strict=True)

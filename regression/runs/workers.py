@@ -31,7 +31,8 @@ from fem.material import Material
 from fem.responses import ThrowResponses, evaluate_throw
 from geometry.mesher import mesh_here
 from geometry.throw import CrankThrow
-from regression.records import SLOPES, Outcome
+from regression.records import MESHED, MOVED, SLOPES, Outcome
+from regression.runs.reference_meshes import ReferenceMeshes, mesh_digest, opened
 
 
 def interrupts_ignored() -> bool:
@@ -160,6 +161,7 @@ class WorkQueue:
         self, designs: Iterable[tuple[str, Mapping[str, Any]]], claim: Claim | None = None
     ) -> None:
         self._claim: Claim = claim or (lambda _: True)
+        self._references = ReferenceMeshes()
         self._inputs = dict(designs)
         self._waiting = deque(self._inputs)
         self._tries = dict.fromkeys(self._inputs, 0)
@@ -175,7 +177,8 @@ class WorkQueue:
             claimed = self._claim(key)
             if claimed:
                 self._tries[key] += 1
-                return {"key": key, "inputs": self._inputs[key]}
+                inputs = self._inputs[key]
+                return {"key": key, "inputs": inputs, "reference": self._references.of(inputs)}
             if claimed is False:
                 self._waiting.append(key)
         return None
@@ -192,6 +195,7 @@ class WorkQueue:
             worker=worker,
             slopes=answer.get("slopes") or {},
             slope_errors=answer.get("slope_errors") or {},
+            mesh=answer.get("mesh") or {},
         )
 
     def lost(self, key: str, reason: str, seconds: float, worker: str) -> Outcome | None:
@@ -280,8 +284,11 @@ def run_designs(
 PARDISO_MACHINE = (-2, -9, -10, -11)
 
 
-def evaluate_design(inputs: dict[str, Any]) -> ThrowResponses:
-    """Compute the responses of a design: fields of throw and material [SI], accuracy, stresses, slopes."""
+def evaluate_design(inputs: dict[str, Any], reference: bytes = b"") -> ThrowResponses:
+    """Compute the responses of a design: fields of throw and material [SI], accuracy, stresses, slopes.
+
+    `reference` is the mesh that is moved to it, of `ReferenceMeshes`.
+    """
     return evaluate_throw(
         CrankThrow(**inputs["throw"]),
         Material(**inputs["material"]),
@@ -289,6 +296,7 @@ def evaluate_design(inputs: dict[str, Any]) -> ThrowResponses:
         inputs["stresses"],
         mesher=mesh_here,  # this process is expendable: gmsh needs none of its own
         slopes=inputs.get(SLOPES, ()),
+        reference=opened(reference) if reference else None,
     )
 
 
@@ -323,7 +331,19 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
     start = time.perf_counter()
     made: dict[str, Any]
     try:
-        evaluated = evaluate_design(request["inputs"])
+        reference = request.get("reference", b"")
+        evaluated = evaluate_design(request["inputs"], reference)
+        mesh: dict[str, Any] = {}
+        if MOVED in request["inputs"]:
+            moved = evaluated.moved
+            mesh = {"tier": MESHED}
+            if moved is not None:
+                mesh = {
+                    "tier": moved.tier,
+                    "quality": moved.quality,
+                    "straightened": moved.straightened,
+                    "reference": mesh_digest(opened(reference)),
+                }
         made = {
             "responses": _numbers_only(evaluated.values),
             "errors": _numbers_only(evaluated.errors, "the error of "),
@@ -333,6 +353,7 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
                 for name, shares in evaluated.slopes.items()
             },
             "slope_errors": _numbers_only(evaluated.slope_errors, "the error of the slopes of "),
+            "mesh": mesh,
         }
     except Exception as error:  # the design fails, with its reason; the worker goes on
         kind = "lost" if _of_the_machine(error) else "reason"

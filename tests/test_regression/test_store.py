@@ -296,6 +296,41 @@ def test_slopes_come_back_with_their_design(tmp_path):
         assert store.outcomes([DONE.key]) == {DONE.key: SLOPED}
 
 
+MESHED = Outcome(
+    "meshed",
+    {"throw": {"web_width": 0.3}, "moved": {"throw": {}}},
+    {"axial_compliance_pinned": 1e-9},
+    None,
+    0.1,
+    mesh={"tier": "velocities", "quality": 0.3, "straightened": 1, "reference": "abc"},
+)
+
+
+@pytest.mark.parametrize(
+    ("statement", "why"),
+    [
+        ("DROP TABLE meshes", "its mesh is missing"),
+        ("UPDATE meshes SET mesh = '[]'", "its mesh cannot be read"),
+        ("UPDATE meshes SET mesh = replace(mesh, '0.3', '0.4')", "the checksum of its mesh"),
+    ],
+)
+def test_what_a_moved_mesh_was_made_of_comes_back_unless_it_is_damaged(tmp_path, statement, why):
+    path = tmp_path / "runs.sqlite"
+    with ResultStore(path) as store:
+        store.record(DONE)
+    with closing(sqlite3.connect(path)) as made:  # as of releases that moved none
+        assert not made.execute("SELECT 1 FROM sqlite_master WHERE name = 'meshes'").fetchall()
+    with ResultStore(path) as store:
+        store.record(MESHED)
+        assert store.outcomes([MESHED.key]) == {MESHED.key: MESHED}
+    with closing(sqlite3.connect(path)) as broken:
+        broken.execute(statement)
+        broken.commit()
+    with ResultStore(path) as store:
+        assert store.outcomes([MESHED.key]) == {}
+        assert store.damaged[MESHED.key].startswith(why)
+
+
 @pytest.mark.parametrize(
     ("statement", "why"),
     [
