@@ -513,6 +513,8 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
         plan, variants, HELD_OUT, "latin hypercube", plan.held_out, HELD_OUT_STREAM
     )
     designs = with_meshes(plan, (*runs, *held))
+    if plan.mesh != NEW_MESH:
+        remarks = (*remarks, _mesh_remark(designs))
     return PlannedStudy(plan, designs, (*excluded, *held_excluded), statement, remarks)
 
 
@@ -588,6 +590,18 @@ def with_meshes(
         if place in places
         else design
         for place, design in enumerate((*designs, *added))
+    )
+
+
+def _mesh_remark(designs: Sequence[PlannedDesign]) -> str:
+    classes = [design.mesh_class for design in designs if design.mesh_class is not None]
+    if not classes:
+        return "No mesh is moved, because no topology has designs enough to repay its anchors."
+    anchors = sum(design.ordinary is not None for design in designs)
+    topologies = "1 topology" if max(classes) == 1 else f"{max(classes)} topologies"
+    return (
+        f"{len(classes)} of {len(designs)} designs have moved meshes, those of {topologies}; "
+        f"anchors, with meshes of their own too: {anchors}."
     )
 
 

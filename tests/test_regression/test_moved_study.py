@@ -99,6 +99,12 @@ def test_a_plan_of_moved_meshes_has_keys_of_its_own():
     assert anchor.ordinary[0] in {design.key for design in new.planned.designs}
     assert not {design.key for design in designs} & {d.key for d in new.planned.designs}
     assert len(moved.planned.tasks) == len(designs) + 1
+    assert moved.planned.remarks[-1] == (
+        "30 of 30 designs have moved meshes, those of 1 topology; anchors, with meshes of their own too: 1."
+    )
+    few = plan(runs=5, held_out=2).planned
+    assert few.remarks[-1].startswith("No mesh is moved, because")
+    assert {design.mesh_class for design in few.designs} == {None}
 
 
 def test_stresses_need_new_meshes():
