@@ -32,7 +32,7 @@ RESPONSE = "axial_compliance_pinned"
 TRUE_ACCURACY = 0.003
 # Runs without slopes and with them.
 RUNS = {"three": ((20, 33), (5, 8)), "five": ((60,), (14,))}
-WAYS = (("new", 0.04), ("new", 0.01), ("moved", 0.01))
+WAYS = (("new", 0.04), ("new", 0.01), ("moved", 0.04), ("moved", 0.01))
 
 
 class Study:

@@ -31,7 +31,7 @@ FACTORS = tuple(Factor(name, "m", *ends) for name, ends in RANGES.items())
 LARGE = DesignChoice("latin hypercube", runs=80)
 
 
-def plan(runs=20, accuracy=0.01, **others):
+def plan(runs=20, accuracy=0.02, **others):
     design = DesignChoice("latin hypercube", runs=runs)
     return StudyPlan(FILLETED, FACTORS, design, accuracy=accuracy, mesh="moved", **others)
 
@@ -60,8 +60,8 @@ def outcomes_of(planned):
 
 def test_numbers_of_anchors():
     assert anchor_count(11, 3, 0.01) == 0
-    assert anchor_count(33, 3, 0.01) == 1
-    assert anchor_count(33, 3, 0.005) == anchor_count(400, 3, 0.01) == 6
+    assert anchor_count(33, 3, 0.02) == 1
+    assert anchor_count(33, 3, 0.01) == anchor_count(400, 3, 0.02) == 6
     assert anchor_count(60, 5, 0.01) == 9
     assert anchor_count(19, 5, 0.01) == 0
 
@@ -73,14 +73,14 @@ def test_classes_follow_from_topology_and_the_middle_throw_lends_its_mesh():
         for width in (0.28, 0.285, 0.29, 0.295)
     ]
     widths = np.array([[throw["web_width"]] for throw in throws])
-    first, second = mesh_classes(throws, widths, 0.01)
+    first, second = mesh_classes(throws, widths, 0.02)
     assert (first.members, second.members) == ((0, 1, 2, 3), (4, 5, 6, 7))
     assert first.throw is throws[first.anchors[0]]
     assert first.anchors in ((1,), (2,))
     # Too few of the second kind; further throws decide nothing.
-    (only,) = mesh_classes(throws[:7], widths[:7], 0.01)
+    (only,) = mesh_classes(throws[:7], widths[:7], 0.02)
     assert only.members == first.members
-    (same,) = mesh_classes(throws, widths[:4], 0.01)
+    (same,) = mesh_classes(throws, widths[:4], 0.02)
     assert (same.anchors, same.throw) == (first.anchors, first.throw)
 
 
