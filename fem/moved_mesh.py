@@ -13,9 +13,9 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from crankbase.array_checks import Array, Integers
 from crankbase.errors import InputError, MeshError
 from fem.first_mesh import first_factor
 from fem.sensitivities import NodeMotion, node_velocities
@@ -44,9 +44,6 @@ from geometry.shapes import (
 from geometry.sizes import SHARES
 from geometry.throw import CrankThrow
 from geometry.topology import topology
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Ways to move a mesh, the quickest first.
 VELOCITIES, ELASTIC = "velocities", "elastic"

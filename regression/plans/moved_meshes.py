@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from geometry.throw import CrankThrow
 from geometry.topology import topology
 
@@ -21,8 +21,6 @@ FEWEST = 4
 FEW_FACTORS, COARSE, MANY_DESIGNS = 3, 0.02, 60
 # Anchors for each coefficient of a ratio that is linear in the factors.
 ANCHORS = 1.5
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from regression.plans.moved_meshes import ANCHORS
 from regression.plans.plan import PlannedDesign
 from regression.records import MESHED, Outcome
-
-Array = NDArray[np.float64]
 
 # Ratios beyond are of answers that nearly vanish: those are not scaled.
 MOST_OFF = 0.3
