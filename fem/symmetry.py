@@ -417,8 +417,7 @@ DISTRIBUTIONS = ("uniform", "cosine")
 
 # Direction of a radial force on the first pin, towards the shaft.
 RADIAL = np.array([0.0, -1.0, 0.0])
-# Integrates the shape functions times linear loads on flat facets exactly. scikit-fem so loads here, while
-# a mesh is made elsewhere.
+# Integrates the shape functions times linear loads on flat facets exactly.
 FACET_RULE = quadrature(2, 5)
 
 

@@ -1,4 +1,4 @@
-"""Properties of responses for equations and lookups; `fem.responses` declares the rest."""
+"""Properties of responses for equations and lookups; `fem.response_table` declares the rest."""
 
 import math
 from collections.abc import Callable, Mapping

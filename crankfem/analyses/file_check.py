@@ -217,7 +217,8 @@ def _checked(file: str | TomlFile, content: TomlFile | None) -> CheckedFile:
     read = load_any(content)
     of_study: tuple[str, ...] = ()
     if "study" in content.sections:
-        study = load_study(content)
+        # Where it is read already: it is planned once.
+        study = (read.study if isinstance(read, EngineFile) else None) or load_study(content)
         _ = study.planned  # refuses a study of which nothing can be built
         of_study = tuple(warning.sentence for warning in study_warnings(study))
     if isinstance(read, ThrowFile):

@@ -8,6 +8,7 @@ from crankbase.table import SI, Column, OutputUnits, Table
 
 # Stands for a space at which no line ends.
 TIED = "\u00a0"
+BREAK = re.compile("[\t-\r]")
 WITH_UNIT = re.compile(
     r"(?<=\d) (?=%|1/min|[munkMG\N{MICRO SIGN}]?(?:m|g|N|Pa|W|Hz|deg|rad)\b)|(?<=\d N) (?=m\b)"
 )
@@ -36,6 +37,8 @@ def short_ways(text: str) -> str:
 
 def wrapped(text: str, width: int, hanging: bool = True) -> list[str]:
     """Break a text at spaces alone, none before a unit; what follows "- " or "1. " may be indented."""
+    if len(text) <= width and text == text.strip() and not BREAK.search(text):
+        return [text.replace(TIED, " ")]  # most are short, and breaking takes its time
     listed = LISTED.match(text) if hanging else None
     lines = textwrap.wrap(
         WITH_UNIT.sub(TIED, text),

@@ -68,14 +68,19 @@ class Pictures:
         return True
 
     def draw(self, plots: Plots[Run], run: Run) -> None:
-        """Draw the plots of one thing, each by itself, on paper and for a screen."""
+        """Draw the plots of one thing, each once: for a screen, else on paper.
+
+        A page makes what is printed of an interactive plot from the same data.
+        """
         for plot in plots.of(run):
+            if plot.interactive is not None and self.plot_one(
+                plot.name, partial(plot.write, run=run)
+            ):
+                continue
             if plot.static is not None and self.attempt(
                 f"picture {plot.name}", partial(plot.draw, self.folder, run)
             ):
                 self.static[plot.name] = f"{plot.name}.svg"
-            if plot.interactive is not None:
-                self.plot_one(plot.name, partial(plot.write, run=run))
 
     def draw_one(self, name: str, draw: Callable[[Path], object]) -> None:
         """Draw one static picture."""
@@ -83,10 +88,12 @@ class Pictures:
         if self.attempt(f"picture {name}", partial(draw, path)):
             self.static[name] = path.name
 
-    def plot_one(self, name: str, write: Callable[[Path], object]) -> None:
-        """Make one interactive plot, which is written into the folder it is given."""
-        if self.attempt(f"interactive plot {name}", partial(write, self.folder)):
+    def plot_one(self, name: str, write: Callable[[Path], object]) -> bool:
+        """Make one interactive plot, written into the folder it is given; return whether it is there."""
+        drawn = self.attempt(f"interactive plot {name}", partial(write, self.folder))
+        if drawn:
             self.interactive[name] = f"{name}.json"
+        return drawn
 
 
 class Renderer(Protocol):

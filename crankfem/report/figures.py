@@ -43,7 +43,7 @@ class Figure:
     source : str or None
         The static picture as a data address; an empty one of its size where it is packed.
     width, height : int
-        Of the static picture [pixel].
+        Of the static picture, without one of the interactive plot [pixel].
     drawing, plot : str or None
         A static SVG and the interactive plot as JSON, `packed`.
     """
@@ -85,8 +85,9 @@ def load_figures(
         if name in plots:
             try:
                 text = _own_file(folder, plots[name]).read_text(encoding="utf-8")
-                json.loads(text)  # the reader's browser would find what was cut short
-                drawn = replace(drawn, plot=packed(text))
+                plot = json.loads(text)  # the reader's browser would find what was cut short
+                room = drawn.height or plot.get("layout", {}).get("height", 0)
+                drawn = replace(drawn, plot=packed(text), height=room)
             except (OSError, ValueError):
                 unread.append(plots[name])
         if drawn.source is not None or drawn.plot is not None:

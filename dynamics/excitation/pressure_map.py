@@ -23,6 +23,7 @@ from crankbase.choices import check_choice, check_some, number_within
 from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes
+from crankbase.monotone_curve import MonotoneCurve
 from crankbase.quantity import RPM, format_quantity
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
 from crankbase.sentences import amount
@@ -836,11 +837,9 @@ def _boosted(at_full: float, ambient: float, boost: Array) -> Array:
 
 def _between(speeds: Array, points: LoadPoints, values: Array) -> Array:
     """Interpolate smoothly, without overshoot."""
-    from scipy.interpolate import PchipInterpolator  # here: loading it takes a quarter second
-
     known = points.speeds
     inside = np.clip(speeds, known[0], known[-1])  # by round-off only
-    return np.asarray(PchipInterpolator(known, values)(inside), dtype=np.float64)
+    return MonotoneCurve(known, values)(inside)
 
 
 def load_speeds(points: LoadPoints | None, speed_range: tuple[float, float], rated: float) -> Array:

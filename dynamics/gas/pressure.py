@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +23,7 @@ from crankbase.diagrams import write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
+from crankbase.monotone_curve import MonotoneCurve
 from crankbase.sentences import amount, angle, listed, with_sentences
 from crankbase.summaries import summarized
 from dynamics.cycle import (
@@ -42,10 +43,6 @@ from dynamics.sample_tables import (
     possible_cycles,
     read_sample_rows,
 )
-
-if TYPE_CHECKING:
-    from scipy.interpolate import PchipInterpolator
-
 
 # [Pa] The standard atmosphere.
 ATMOSPHERE = 101325.0
@@ -164,16 +161,15 @@ class GasPressure:
             Absolute pressure [Pa]: a shape-preserving piecewise cubic through the samples,
             which exceeds neither of its two neighbors.
 
-        Notes
-        -----
-        Slopes after F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304, as in
-        scipy's PchipInterpolator.
+        See Also
+        --------
+        crankbase.monotone_curve
         """
         folded = np.mod(checked_degrees("angle_deg", angle_deg), self.cycle_deg)
         return np.asarray(self._curve(folded), dtype=np.float64)
 
     @cached_property
-    def _curve(self) -> "PchipInterpolator":
+    def _curve(self) -> MonotoneCurve:
         return _periodic_curve(self.angles_deg, self.pressure, self.cycle_deg)
 
     def plot(self, axes: Axes | None = None) -> Axes:
@@ -313,14 +309,10 @@ def _check_samples(angles: Array, values: Array, cycle: float) -> None:
         )
 
 
-def _periodic_curve(angles: Array, values: Array, cycle: float) -> "PchipInterpolator":
+def _periodic_curve(angles: Array, values: Array, cycle: float) -> MonotoneCurve:
     """Return the shape-preserving curve through ascending samples within one cycle."""
-    from scipy.interpolate import PchipInterpolator  # here: loading it takes a quarter second
-
     wrapped = np.concatenate([angles[-REPEATED:] - cycle, angles, angles[:REPEATED] + cycle])
-    return PchipInterpolator(
-        wrapped, np.concatenate([values[-REPEATED:], values, values[:REPEATED]])
-    )
+    return MonotoneCurve(wrapped, np.concatenate([values[-REPEATED:], values, values[:REPEATED]]))
 
 
 CRANK_ANGLE = "crank_angle_deg"

@@ -1,7 +1,6 @@
 """Damped modes of a chain or system: frequencies, damping ratios, shapes, and sources of damping."""
 
 import numpy as np
-from scipy.linalg import null_space
 
 from crankbase.array_checks import (
     Array,
@@ -221,6 +220,8 @@ def complex_modes(
     upper, motion = eigenvalues[vibrating], outputs[vibrating]
     undamped, locked = system.elastic_frequencies, None
     if chain is not None and chain.dashpots:
+        from scipy.linalg import null_space  # here: engine files are read without it
+
         # With rigid dashpots.
         free = null_space(chain.dashpot_elongations() @ system.expand)
         springs = chain.spring_rows() @ system.expand @ free

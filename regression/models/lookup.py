@@ -13,13 +13,12 @@ from crankbase.frames import table
 from crankbase.results import Part, Quantity, Result, result
 from fem.end_reactions import END_LOADS, LARGEST_LOAD, LOAD_UNITS, EndReaction, Reactions
 from regression.models.angle import between_ends, between_values
-from regression.models.family import Family
-from regression.models.response_model import ResponseModel
-from regression.models.response_query import ErrorBand, ResponseValues
 from regression.response_kinds import ThrowLengths
 
-if TYPE_CHECKING:
-    pass
+if TYPE_CHECKING:  # a lookup by the law does without
+    from regression.models.family import Family
+    from regression.models.response_model import ResponseModel
+    from regression.models.response_query import ErrorBand, ResponseValues
 
 
 NO_BAND = "none holds outside the range of the fit"
@@ -138,7 +137,7 @@ class Lookup(Result):
         return f"Lookup({self.symbol or 'value'} = {self.value:.6g} {self.unit}{support}{band})"
 
     @classmethod
-    def of(cls, looked_up: dict[str, Any], responses: Sequence[ResponseModel]) -> "Lookup":
+    def of(cls, looked_up: dict[str, Any], responses: "Sequence[ResponseModel]") -> "Lookup":
         """Make the lookup of one throw from the fields of `Lookups`, by the responses used."""
         lower, upper = looked_up["lower"], looked_up["upper"]
         changed = {
@@ -159,7 +158,9 @@ def _largest(errors: Sequence[float | None]) -> float | None:
     return max(known) if len(known) == len(errors) else None
 
 
-def look_up(response: ResponseModel, band: ErrorBand, answer: ResponseValues) -> dict[str, Any]:
+def look_up(
+    response: "ResponseModel", band: "ErrorBand", answer: "ResponseValues"
+) -> dict[str, Any]:
     """Return the fields of `Lookups`, floats or arrays."""
     lower, upper = band.around(answer.values, answer.inside, answer.errors)
     return {
@@ -257,7 +258,7 @@ class ReactionLookup(Reactions):
         return table(dict(zip(END_LOADS, zip(columns, LOAD_UNITS * 2, strict=True), strict=True)))
 
 
-def throw_lengths(family: Family, query: Mapping[str, ArrayLike | str]) -> ThrowLengths:
+def throw_lengths(family: "Family", query: Mapping[str, ArrayLike | str]) -> ThrowLengths:
     """Lengths of throws of a family, from given and fixed ones; `InputError` if one is unknown."""
     checked = family.checked(query)
     known = family.completed(checked, family.size(checked))

@@ -18,8 +18,9 @@ from regression.plans.factors import Factor, rounded
 # Latin hypercubes tried, of which the one with the largest smallest distance is taken; fewer of large
 # ones, which take long and gain little: so many points in all.
 TRIES, POINTS_TRIED = 400, 100_000
-# From here on, near points are found by a tree: the table of distances grows large.
-FEW_POINTS = 1500
+# Up to so many points, distances are found as scipy finds them, without its tenth of a second of loading;
+# from the larger number on, near points are found by a tree: the table of distances grows large.
+LOADING_PAYS, FEW_POINTS = 200, 1500
 # More points than this are not thinned by distance: the table of distances would not fit.
 LARGEST_THINNED = 4000
 
@@ -91,6 +92,8 @@ def _at_choices(points: Points, choices: Sequence[int]) -> Points:
 
 def smallest_distance(points: Points) -> float:
     """Return the distance of the two nearest points."""
+    if len(points) <= LOADING_PAYS:
+        return float(distances_between(points).min())
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import pdist
 
@@ -100,15 +103,26 @@ def smallest_distance(points: Points) -> float:
     return float(np.min(distances))
 
 
+def distances_between(points: Points) -> Array:
+    """Distances (n, n) between points, infinite to themselves."""
+    if len(points) <= LOADING_PAYS:
+        squares = np.diag(np.full(len(points), np.inf))
+        for column in points.T:
+            squares += (column[:, None] - column) ** 2
+        return np.sqrt(squares)
+    from scipy.spatial.distance import cdist
+
+    distances = cdist(points, points)
+    np.fill_diagonal(distances, np.inf)
+    return distances
+
+
 def well_spaced_subset(points: Points, count: int) -> Integers:
     """Indices, ascending, of `count` points (n, k) far apart: the nearest ones are dropped one by one."""
     number = len(points)
     if number > LARGEST_THINNED:
         return np.arange(count)
-    from scipy.spatial.distance import cdist
-
-    distances = cdist(points, points)
-    np.fill_diagonal(distances, np.inf)
+    distances = distances_between(points)
     staying = np.ones(number, dtype=bool)
     for _ in range(number - count):
         nearest = distances.min(axis=1)

@@ -16,7 +16,7 @@ from crankbase.input_file import LARGEST_TABLE_FILE, check_file_size
 from crankbase.outputs import atomic_file
 from crankbase.quantity import parse_quantity
 from crankbase.results import Result, result
-from fem.responses import RESPONSES
+from fem.response_table import RESPONSES
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
 from regression.plans.factors import Factor, field_value

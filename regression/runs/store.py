@@ -24,7 +24,7 @@ import psutil
 from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
-from fem.responses import RESPONSES
+from fem.response_table import RESPONSES
 from regression.records import (
     MEASURED,
     MOVED,

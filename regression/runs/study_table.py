@@ -12,7 +12,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, table
 from crankbase.model import field_extra
 from crankbase.results import Internal, Quantity, Result, result
-from fem.responses import RESPONSES
+from fem.response_table import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan

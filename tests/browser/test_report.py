@@ -262,8 +262,10 @@ def test_names_are_no_markup_in_the_browser(open_page, tmp_path):
 
 def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
     page = open_page(report, PAPER)
-    scroll_through(page)
+    # Nobody has scrolled: what is printed is there without.
+    page.locator("html[data-printable]").wait_for(timeout=1e3 * LONGEST_DRAWING)
     page.emulate_media(media="print")
+    page.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true; })")
     cut = page.locator(".scroll").evaluate_all(
         "parts => parts.filter(p => p.scrollWidth > p.clientWidth + 1).map(p => p.ariaLabel)"
     )
@@ -273,6 +275,12 @@ def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
         "images => images.filter(i => i.getClientRects().length === 0).map(i => i.alt)"
     )
     assert hidden == []
+    # Every plot but the view in three dimensions has one, and of ordinary size.
+    without = page.locator("figure:has(.interactive):not(:has(img)) .interactive")
+    assert without.evaluate_all("plots => plots.map(p => p.dataset.plot)") == ["throw_view"]
+    sizes = page.locator("figure img.for-paper").evaluate_all("all => all.map(i => i.naturalWidth)")
+    assert len(sizes) >= 10
+    assert min(sizes) > 400
     pdf = page.pdf(format="A4", path=str(tmp_path / "report.pdf"))
     assert 5 < len(re.findall(rb"/Type\s*/Page\b", pdf)) < 60
 

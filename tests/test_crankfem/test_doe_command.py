@@ -19,7 +19,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.study import studies
 from crankfem.analyses.study.response_fits import fit_study
 from crankfem.analyses.study.studies import run_grown, worst_designs
-from fem.responses import RESPONSES
+from fem.response_table import RESPONSES
 from geometry.shapes import element_volumes
 from plans import FILLETED, plan_of_levels, table_of_function
 from puppets import PRELUDE, puppet

@@ -77,8 +77,12 @@ def test_the_folder_holds_everything(finished_run):
     names = {path.name for path in finished_run.folder.iterdir()}
     assert {"report.html", "results.json", "model.json", "study.sqlite", "pictures"} <= names
     pictures = finished_run.results["pictures"]
-    assert {"response", "parity", "formulas", "axial_modes", "torsional_campbell"} <= set(pictures)
-    for name in pictures.values():
+    assert {"drawing", "effects"} <= set(pictures)
+    plots = finished_run.results["interactive"]
+    assert {"response", "parity", "formulas", "axial_modes", "torsional_campbell"} <= set(plots)
+    # Each is made once.
+    assert not pictures.keys() & plots.keys()
+    for name in (*pictures.values(), *plots.values()):
         assert (finished_run.folder / "pictures" / name).stat().st_size > 1000
 
 
@@ -260,7 +264,8 @@ def test_an_engine_of_one_cylinder_with_the_least_of_inputs(
     text = report_of(tmp_path / "one-results")
     assert "<b>one</b>" not in text
     assert "&lt;b&gt;one&lt;/b&gt; &amp; [bold]only[/] é $A_{$ 5" in text
-    assert {"drawing", "axial_campbell", "axial_modes", "formulas"} <= set(results["pictures"])
+    assert "drawing" in results["pictures"]
+    assert {"axial_campbell", "axial_modes", "formulas"} <= set(results["interactive"])
 
 
 @pytest.fixture
@@ -288,22 +293,22 @@ def test_what_cannot_be_drawn_costs_no_other_result(
 ):
     folder = tmp_path / "one-results"
     assert call("run", one_cylinder("Engine FIRST")).code == 0
-    drawn = json.loads((folder / "results.json").read_text(encoding="utf-8"))["pictures"]
-    assert {"axial_campbell", "torsional_campbell", "crankpin_polar", "drawing"} <= set(drawn)
+    first = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    assert {"axial_campbell", "torsional_campbell", "crankpin_polar"} <= set(first["interactive"])
 
     def fail(*_, **__):
         raise ValueError("no such picture")
 
-    monkeypatch.setattr(vibration_run, "draw_campbell", fail)
     monkeypatch.setattr(mechanism, "polar_load", fail)
     monkeypatch.setattr(run_drawing, "write_vtu", fail)
     answer = call("run", one_cylinder("Engine SECOND"), "--json")
     assert answer.code == 0, answer.err
     results = answer.json()
-    assert set(results["pictures"]) == set(drawn) - {"axial_campbell", "torsional_campbell"}
-    assert {"axial_campbell", "drawing"} - set(results["interactive"]) == {"drawing"}
-    assert "crankpin_polar" not in results["interactive"]
-    for what in ("picture axial_campbell", "interactive plot crankpin_polar", "throw.vtu"):
+    # What fails for a screen is drawn on paper.
+    failed = {"crankpin_polar", "main_bearing_polar"}
+    assert set(results["pictures"]) == {*first["pictures"], *failed}
+    assert set(results["interactive"]) == set(first["interactive"]) - failed
+    for what in ("interactive plot crankpin_polar", "throw.vtu"):
         sentence = f"There is no {what}: ValueError: no such picture"
         assert sentence in results["picture_note"]
         assert sentence in " ".join(answer.err.split())

@@ -14,7 +14,8 @@ from fem import responses
 from fem.analysis import analyze_throw
 from fem.fillet_stress import fillet_stresses
 from fem.material import STEEL
-from fem.responses import RESPONSES, evaluate_throw
+from fem.response_table import RESPONSES
+from fem.responses import evaluate_throw
 from fem.solver import Factorization, assemble_stiffness, factorize
 from fem.superelement import nodes_on
 from fem.supports import (

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial.distance import pdist
+from scipy.spatial.distance import cdist, pdist
 
 from comparing import close
 from refusals import refusals, refusals_of, refused
 from regression.plans.designs import (
+    LOADING_PAYS,
     SPACE_FILLING,
     DesignChoice,
     DesignKind,
@@ -21,11 +22,13 @@ from regression.plans.designs import (
     corner_fraction,
     corners_by_generators,
     design_quality,
+    distances_between,
     draw_feasible_points,
     fixed_design,
     full_factorial,
     latin_hypercube_points,
     resolution_of,
+    smallest_distance,
     sobol_points,
     space_filling_points,
     space_filling_statement,
@@ -401,6 +404,14 @@ def test_of_pairs_on_one_line_the_first_is_told():
     line = np.array([1.0, 2.0, 3.0])
     factors = [Factor(name, "m", 1.0, 3.0) for name in "abc"]
     assert design_quality(factors, np.column_stack([line] * 3)).correlated == ("a", "b")
+
+
+@pytest.mark.parametrize("count", [2, 16, LOADING_PAYS, LOADING_PAYS + 1])
+def test_distances_of_few_points_are_scipys_to_the_last_bit(count):
+    points = np.random.default_rng(count).random((count, 5))
+    assert smallest_distance(points) == math.sqrt(pdist(points, "sqeuclidean").min())
+    apart = cdist(points, points)[np.triu_indices(count, 1)]
+    assert np.array_equal(distances_between(points)[np.triu_indices(count, 1)], apart)
 
 
 test_refused = refusals(

@@ -8,7 +8,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
-from fem.responses import RESPONSES
+from fem.response_table import RESPONSES
 from geometry.throw_dimensions import Counterweight
 from plans import SHARP, plan_of_levels
 from puppets import puppet

@@ -23,7 +23,6 @@ from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import VibrationSettings
 from dynamics.assessment.uncertainty import Spread
 from fem.material import Material
-from fem.superelement import ShaftCompliances, shaft_compliances
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.case import FormulaValue
@@ -32,6 +31,7 @@ from regression.models.angle import between_values
 from regression.response_kinds import AXIAL, TORSIONAL, fold_angle_deg
 
 if TYPE_CHECKING:
+    from fem.superelement import ShaftCompliances
     from regression.models.compliance_model import ComplianceModel
     from regression.models.lookup import Lookup
 
@@ -250,7 +250,7 @@ Sources = dict[str, tuple[Array, str]]
 
 def compliances_in_shaft(
     engine_file: EngineFile, analysis: Analyses, stiffness: float | None = None
-) -> ShaftCompliances:
+) -> "ShaftCompliances":
     """Find the FE compliances of each throw at its position among the engine's cranks.
 
     Parameters
@@ -258,6 +258,8 @@ def compliances_in_shaft(
     stiffness : float, optional
         Lateral, of each main bearing [N/m], ``math.inf`` for rigid ones; by default that of the engine.
     """
+    from fem.superelement import shaft_compliances  # here: engine files are checked without it
+
     throws = [
         crank_analysis.superelement for crank_analysis in crank_analyses(engine_file, analysis)
     ]
@@ -270,7 +272,7 @@ def compliances_in_shaft(
 def axial_sources(
     engine_file: EngineFile,
     analysis: Analyses,
-    shaft: ShaftCompliances,
+    shaft: "ShaftCompliances",
     model: "ComplianceModel | None",
 ) -> Sources:
     """Axial compliance of each throw [m/N] by source; see `crankfem.analyses.vibration.modes`."""
@@ -283,7 +285,7 @@ def axial_sources(
 def torsional_sources(
     engine_file: EngineFile,
     analysis: Analyses,
-    shaft: ShaftCompliances,
+    shaft: "ShaftCompliances",
     model: "ComplianceModel | None",
 ) -> Sources:
     """Torsional compliance of each throw [rad/(N m)] by source; only the maker's for a given plant."""
@@ -440,7 +442,7 @@ def source_spread(
     kind: str,
     source: str,
     analysis: Analyses,
-    shaft: ShaftCompliances,
+    shaft: "ShaftCompliances",
     model: "ComplianceModel | None",
 ) -> Spread:
     """Return the range of factors on the compliances of a source that contains the true ones.

@@ -1,16 +1,19 @@
 """Finite elements of an engine's throws: each distinct one analyzed once, then crank by crank."""
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING, TypeAlias, Union
 
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
-from fem.analysis import ThrowAnalysis, analyze_throw
+
+if TYPE_CHECKING:
+    from fem.analysis import ThrowAnalysis
 
 # Of the one throw that all cranks are, or of each throw by its name.
-Analyses = ThrowAnalysis | Mapping[str, ThrowAnalysis]
+Analyses: TypeAlias = Union["ThrowAnalysis", Mapping[str, "ThrowAnalysis"]]
 
 
-def analyze_throws(engine_file: EngineFile) -> dict[str, ThrowAnalysis]:
+def analyze_throws(engine_file: EngineFile) -> "dict[str, ThrowAnalysis]":
     """Analyze the distinct throws of an engine.
 
     Returns
@@ -23,6 +26,8 @@ def analyze_throws(engine_file: EngineFile) -> dict[str, ThrowAnalysis]:
     MeshError, SolveError
         If a throw cannot be meshed or solved.
     """
+    from fem.analysis import analyze_throw  # here: engine files are checked without it
+
     throws = engine_file.named_throws
     analyses = {
         throw: analyze_throw(throw, engine_file.material)
@@ -31,7 +36,7 @@ def analyze_throws(engine_file: EngineFile) -> dict[str, ThrowAnalysis]:
     return {name: analyses[throw] for name, throw in throws.items()}
 
 
-def analyses_by_name(engine_file: EngineFile, analysis: Analyses) -> dict[str, ThrowAnalysis]:
+def analyses_by_name(engine_file: EngineFile, analysis: Analyses) -> "dict[str, ThrowAnalysis]":
     """Return the analyses of an engine's throws by name.
 
     Raises
@@ -55,7 +60,7 @@ def analyses_by_name(engine_file: EngineFile, analysis: Analyses) -> dict[str, T
     return {names[0]: analysis}
 
 
-def crank_analyses(engine_file: EngineFile, analysis: Analyses) -> tuple[ThrowAnalysis, ...]:
+def crank_analyses(engine_file: EngineFile, analysis: Analyses) -> "tuple[ThrowAnalysis, ...]":
     """Return the analysis of each crank's throw, from the free end.
 
     Raises

@@ -19,7 +19,7 @@ from crankfem.analyses.study.study_results import (
     FactorRange,
     FittedStudy,
 )
-from fem.responses import RESPONSES
+from fem.response_table import RESPONSES
 from fem.symmetry import SHARED
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record

@@ -14,7 +14,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.frames import table as frame
 from crankbase.results import Internal, Number, Quantity, Result, result
-from fem.responses import RESPONSES
+from fem.response_table import RESPONSES
 from regression.fits.equation_text import term_effects
 from regression.fits.fit import Fit
 from regression.fits.fits import confirmed_doubts, contradicting_slopes, fit_form

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -64,7 +65,9 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, DampedChain
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
-from fem.superelement import ShaftCompliances
+
+if TYPE_CHECKING:
+    from fem.superelement import ShaftCompliances
 
 # Speeds below the lowest running one are passed on every start; rules of limits go on above the highest
 # running speed and the rated one.
@@ -214,7 +217,7 @@ def excitation_along_shaft(
     engine_file: EngineFile,
     forces: CylinderForces,
     axial: SourceResult,
-    shaft: ShaftCompliances,
+    shaft: "ShaftCompliances",
     cranks: EngineChain,
     twisted: ForcedResponse,
 ) -> tuple[OrderExcitation, OrderExcitation | None, tuple[str, ...]]:
@@ -320,7 +323,7 @@ def compared_axial_forces(
     engine_file: EngineFile,
     forces: CylinderForces,
     compliances: Array,
-    shaft: ShaftCompliances,
+    shaft: "ShaftCompliances",
     analysis: Analyses,
 ) -> AxialForceComparison:
     """Return the force c Z / e_n of each single throw, and that in the assembled shaft.

@@ -33,11 +33,11 @@ from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FREE_END, EngineChain
 from dynamics.critical import critical_speeds, engine_orders, major_orders, vector_sums
 from dynamics.indices import at_most, within
 from dynamics.plots.mode_shapes import draw_chain_shapes
-from fem.superelement import ShaftCompliances
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 if TYPE_CHECKING:
+    from fem.superelement import ShaftCompliances
     from regression.models.compliance_model import ComplianceModel
 
 SHAPES_SHOWN = 3
@@ -440,7 +440,7 @@ def _points(names: Sequence[str], first: int) -> str:
 def axial_vibration(
     engine_file: EngineFile,
     analysis: Analyses,
-    shaft: ShaftCompliances,
+    shaft: "ShaftCompliances",
     model: "ComplianceModel | None",
     chosen_alone: bool = False,
 ) -> Vibration:
@@ -474,7 +474,7 @@ def axial_vibration(
 def torsional_vibration(
     engine_file: EngineFile,
     analysis: Analyses,
-    shaft: ShaftCompliances,
+    shaft: "ShaftCompliances",
     model: "ComplianceModel | None",
     chosen_alone: bool = False,
 ) -> Vibration:

@@ -7,15 +7,6 @@ from typing import TYPE_CHECKING
 from crankbase.sentences import kept
 from crankbase.table import SI, Cell, Column, Main, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import Record
-from crankfem.analyses.throw.formula_records import (
-    KINDS,
-    EngineFormulas,
-    EngineSpread,
-    Formulas,
-    Kind,
-    formula_spreads,
-)
-from crankfem.analyses.throw.throw_record import ReactionResults
 from crankfem.cli.arguments import angle_text
 from crankfem.files.satellites import satellite_files
 from regression.formulas.axial_formulas import (
@@ -25,8 +16,15 @@ from regression.formulas.axial_formulas import (
     PublishedValue,
 )
 
-if TYPE_CHECKING:  # of whole engines, for which much is loaded that a throw does without
+if TYPE_CHECKING:  # of whole engines and finite elements, for which much is loaded
     from crankfem.analyses.file_check import Arrangement
+    from crankfem.analyses.throw.formula_records import (
+        EngineFormulas,
+        EngineSpread,
+        Formulas,
+        Kind,
+    )
+    from crankfem.analyses.throw.throw_record import ReactionResults
 
 
 def _notes(remarks: Iterable[str], units: OutputUnits) -> Iterator[str]:
@@ -50,12 +48,14 @@ def _given(constants: Mapping[str, float] | None) -> str:
 
 
 def one_throw_parts(
-    formulas: Formulas,
+    formulas: "Formulas",
     gamma_deg: float = 180.0,
     constants: Mapping[str, float] | None = None,
     units: OutputUnits = SI,
 ) -> Iterator[Table | str]:
     """Return the formulas for one throw, with finite elements if they have them."""
+    from crankfem.analyses.throw.formula_records import KINDS
+
     fe = formulas.fe
     for kind in KINDS:
         support = f"neighbors at {gamma_deg:g} deg" if kind == "axial" else "pinned"
@@ -72,8 +72,10 @@ def one_throw_parts(
         )
 
 
-def formulas_answer(formulas: Formulas, units: OutputUnits = SI) -> Iterator[str]:
+def formulas_answer(formulas: "Formulas", units: OutputUnits = SI) -> Iterator[str]:
     """State the compliances by finite elements, and the range of the formulas that apply."""
+    from crankfem.analyses.throw.formula_records import KINDS
+
     for kind, si in KINDS.items() if formulas.fe is not None else ():
         fe = getattr(formulas.fe, kind)
         inside = [formula.value / fe for formula in formulas.of_kind(kind) if formula.valid]
@@ -87,7 +89,7 @@ def formulas_answer(formulas: Formulas, units: OutputUnits = SI) -> Iterator[str
 
 
 def _kind_parts(
-    formulas: Formulas, kind: Kind, title: str, units: OutputUnits
+    formulas: "Formulas", kind: "Kind", title: str, units: OutputUnits
 ) -> Iterator[Table | str]:
     values, law = formulas.of_kind(kind), formulas.by_law(kind)
     fe = None if formulas.fe is None else getattr(formulas.fe, kind)
@@ -125,13 +127,15 @@ def _kind_parts(
 
 
 def engines_parts(
-    engines: Sequence[EngineFormulas],
+    engines: "Sequence[EngineFormulas]",
     gamma_deg: float,
     variant: str,
     constants: Mapping[str, float],
     units: OutputUnits = SI,
 ) -> Iterator[Table | str]:
     """Return the compliances of several engines by all formulas, one row for each."""
+    from crankfem.analyses.throw.formula_records import KINDS
+
     for each in engines:
         for without in each.formulas.left_out:
             yield units.written(f"Left out of {each.engine}: {kept(without.reason)}.")
@@ -155,13 +159,15 @@ def engines_parts(
 
 
 def spread_parts(
-    spreads: Sequence[EngineSpread],
+    spreads: "Sequence[EngineSpread]",
     gamma_deg: float,
     variant: str,
     constants: Mapping[str, float] | None = None,
     units: OutputUnits = SI,
 ) -> Iterator[Table | str]:
     """Return formula / finite elements of all engines, one row for each."""
+    from crankfem.analyses.throw.formula_records import KINDS, formula_spreads
+
     yield _legend()
     yield Main(
         "* outside the range where the formula has a meaning. s/R: overlap of main journal and crankpin "
@@ -265,7 +271,7 @@ def _legend() -> str:
     return f"{', '.join(f'{formula.short} {formula.name}' for formula in AXIAL_FORMULAS.values())}."
 
 
-def reaction_parts(results: ReactionResults, units: OutputUnits) -> Iterator[Table | str]:
+def reaction_parts(results: "ReactionResults", units: OutputUnits) -> Iterator[Table | str]:
     """Return reactions as those of a throw by finite elements, with their bands."""
     yield results.table(units)
     kilonewtons = units.of("kN")

@@ -1,15 +1,17 @@
 /* Draws the report's interactive plots where scripts run, beside pictures that stay where they do not.
 
 A plot NAME has a holder <div class="interactive" data-plot="NAME" hidden> in a <figure> with its static
-picture, and its data in <script id="plot-NAME">. It is drawn when it comes near the screen; until then, on
-paper, and if anything fails, the picture is there. Nothing is fetched: what is of the type
-"application/gzip" is packed in the page, also the pictures <img data-packed="ID"> and the library "plotly". */
+picture, if there is one, and its data in <script id="plot-NAME">. It is drawn when it comes near the screen;
+until then, on paper, and if anything fails, the picture is there. Without one, a still for paper is made of the
+same data while the browser has nothing else to do. Nothing is fetched: what is of the type "application/gzip"
+is packed in the page, also the pictures <img data-packed="ID"> and the library "plotly". */
 (function () {
   "use strict";
 
   var NARROW = 600; // pixels
   var LEGEND = 100; // pixels, of a legend below a narrow diagram before its entries are known
   var SQUARE = 440; // pixels, height of a narrow diagram with equal scales
+  var PAPER = 480; // pixels, width of a still; paper shows it in 590, or two beside each other
   var TURN = Math.PI / 12;
   var ZOOM = 1.2;
   var CONFIG = {
@@ -37,7 +39,9 @@ paper, and if anything fails, the picture is there. Nothing is fetched: what is 
     // However wide a plot was drawn, it does not keep the page from growing narrow.
     ".interactive .plot-area{contain:inline-size;overflow:hidden}" +
     ".interactive.waiting{position:absolute;visibility:hidden}" +
-    "@media screen{.plot-drawn>.plot-still{display:none!important}}" +
+    "@media screen{.plot-drawn>.plot-still,.for-paper{display:none!important}" +
+    ".only-interactive,.awaited{min-height:var(--room)}.plot-drawn{min-height:0}}" +
+    ".unseen{position:absolute;left:-9999px}" +
     "@media print{.interactive{display:none!important}}" +
     "@media (prefers-reduced-motion:reduce){.interactive *{transition:none!important;" +
     "animation:none!important}}";
@@ -375,8 +379,13 @@ paper, and if anything fails, the picture is there. Nothing is fetched: what is 
     holder.hidden = true;
     holder.classList.remove("waiting");
     holder.parentNode.classList.remove("plot-drawn");
+    var still = holder.parentNode.querySelector("img");
+    if (still) {
+      still.classList.remove("for-paper");
+    }
     // A figure without a picture has nothing left to show.
-    holder.parentNode.hidden = !holder.parentNode.querySelector("img");
+    holder.parentNode.hidden = !still;
+    holder.parentNode.style.setProperty("--room", 0);
   }
 
   /* Draw again where the figure has grown wider or narrower; unseen, as on paper, it has no width. */
@@ -469,6 +478,53 @@ paper, and if anything fails, the picture is there. Nothing is fetched: what is 
       .catch(function () { giveUp(holder); });
   }
 
+  /* Make what is printed of a plot without a picture; views in three dimensions have none. */
+  function still(holder) {
+    return ready()
+      .then(function () { return content("plot-" + holder.getAttribute("data-plot")); })
+      .then(function (text) {
+        var figure = JSON.parse(text);
+        if (figure.layout.scene) {
+          return null;
+        }
+        var plot = element("div", { class: "unseen" });
+        delete figure.layout.updatemenus;
+        figure.layout.width = PAPER;
+        figure.layout.height = Math.min(figure.layout.height, 0.65 * PAPER);
+        var own = copy(figure.layout);
+        // On paper nothing can be switched on.
+        figure.data = figure.data.filter(function (trace) { return trace.visible !== "legendonly"; });
+        grouped(figure.data);
+        document.body.appendChild(plot);
+        return Plotly.newPlot(plot, figure.data, figure.layout, { staticPlot: true })
+          .then(function () { return fit(plot, own, PAPER); })
+          .then(function () {
+            var size = { width: PAPER, height: plot._fullLayout.height };
+            return Plotly.toImage(plot, Object.assign({ format: "svg" }, size)).then(function (source) {
+              var given = { class: "for-paper", src: source, alt: holder.getAttribute("data-label") };
+              holder.parentNode.insertBefore(element("img", Object.assign(given, size)), holder);
+              holder.parentNode.classList.replace("only-interactive", "awaited");
+            });
+          })
+          .finally(function () {
+            Plotly.purge(plot);
+            plot.remove();
+          });
+      })
+      .catch(function () {});
+  }
+
+  /* One after the other, each when the browser has time; then the page says that it can be printed. */
+  function stills(holders) {
+    if (!holders.length) {
+      document.documentElement.setAttribute("data-printable", "");
+      return;
+    }
+    (window.requestIdleCallback || window.setTimeout)(function () {
+      still(holders[0]).then(function () { stills(holders.slice(1)); });
+    });
+  }
+
   document.head.appendChild(element("style", {}, STYLE));
   // For pages that get plots later.
   window.drawInteractivePlot = attempt;
@@ -491,5 +547,9 @@ paper, and if anything fails, the picture is there. Nothing is fetched: what is 
   document.querySelectorAll(".interactive[data-plot]").forEach(function (holder) {
     // The figure is observed: what is hidden never comes near the screen.
     seen.observe(holder.parentNode);
+    if (holder.getAttribute("data-room")) {
+      holder.parentNode.style.setProperty("--room", holder.getAttribute("data-room") + "px");
+    }
   });
+  stills(Array.from(document.querySelectorAll(".only-interactive > .interactive[data-plot]")));
 })();

@@ -25,7 +25,8 @@ from crankfem.analyses.shaft.chains import (
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.satellites.optimum.frequencies import check_one_throw, first_frequency
-from fem.responses import RESPONSES, ResponseKind, evaluate_throw
+from fem.response_table import RESPONSES, ResponseKind
+from fem.responses import evaluate_throw
 from fem.superelement import Superelement, shaft_compliances
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.boundary_motion import STEP
