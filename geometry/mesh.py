@@ -93,9 +93,14 @@ def solid_properties(gmsh: Any) -> SolidProperties:
     tags = [tag for _, tag in gmsh.model.getEntities(3)]
     if len(tags) != 1:
         raise MeshError(f"the parts of the throw did not unite to one solid but to {len(tags)}.")
-    volume = float(gmsh.model.occ.getMass(3, tags[0]))
-    center = np.array(gmsh.model.occ.getCenterOfMass(3, tags[0]))
-    inertia = np.array(gmsh.model.occ.getMatrixOfInertia(3, tags[0])).reshape(3, 3)
+    return properties_of(gmsh, tags[0])
+
+
+def properties_of(gmsh: Any, tag: int) -> SolidProperties:
+    """Volume, center and second moments of one volume in the model, in its unit of length."""
+    volume = float(gmsh.model.occ.getMass(3, tag))
+    center = np.array(gmsh.model.occ.getCenterOfMass(3, tag))
+    inertia = np.array(gmsh.model.occ.getMatrixOfInertia(3, tag)).reshape(3, 3)
     return SolidProperties(volume, center, 0.5 * np.trace(inertia) * np.eye(3) - inertia)
 
 

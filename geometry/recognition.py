@@ -1,8 +1,8 @@
 """Find ends, journals, pins, fillets and bores of a CAD part."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.sentences import amount
-from geometry.gmsh_session import curvature_radius, middle_point
+from geometry.faces import (
+    DIRECTION_TOLERANCE,
+    Face,
+    Round,
+    measured_face,
+    meetings,
+    rounds_along,
+)
+from geometry.gmsh_session import curvature_radius
 from geometry.imported import PLACE_TOLERANCE, ImportedThrow, RequestedFaces, opened_part
 from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
 from geometry.sizes import ROOT_PER_FILLET, SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
@@ -19,71 +27,6 @@ from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END,
 from geometry.step_file import PLANE, StepFace
 
 Array = NDArray[np.float64]
-DIRECTION_TOLERANCE = 1e-5
-
-
-@dataclass(frozen=True)
-class Face:
-    """A face in gmsh, in the file's frame.
-
-    For planes, `axis` is the normal out of the solid; for cylinders, `point` is on the axis, `radius`
-    is negative for holes, and `turn` is the angle that the face covers [rad].
-    """
-
-    tag: int
-    kind: str
-    point: Array
-    axis: Array
-    radius: float
-    turn: float
-    low: float
-    high: float
-
-    @property
-    def along(self) -> bool:
-        """Whether normal or axis is parallel to the shaft."""
-        return math.hypot(self.axis[0], self.axis[1]) < DIRECTION_TOLERANCE
-
-
-@dataclass(frozen=True)
-class Round:
-    """A cylinder along the shaft, of one face or more; radius negative for holes."""
-
-    axis: tuple[float, float]
-    radius: float
-    low: float
-    high: float
-    turn: float
-    tags: tuple[int, ...]
-
-    @property
-    def whole(self) -> bool:
-        """Whether it covers the whole circle."""
-        return self.turn > 2.0 * math.pi * (1.0 - 1e-6)
-
-
-def measured_face(gmsh: Any, tag: int) -> Face:
-    """Measure a face through points and normals on it, which every version of gmsh gives."""
-    model = gmsh.model
-    kind = str(model.getType(2, tag))
-    (u_low, v_low), (u_high, v_high) = model.getParametrizationBounds(2, tag)
-    # A third of the way, not half: normals of a whole cylinder are then neither equal nor opposite.
-    u_steps = u_low + (u_high - u_low) * np.array([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0])
-    v_steps = np.linspace(v_low, v_high, 5)
-    where = np.array([(u, v) for u in u_steps for v in v_steps])
-    points = np.asarray(model.getValue(2, tag, where.ravel().tolist())).reshape(4, 5, 3)
-    low, high = float(points[..., 2].min()), float(points[..., 2].max())
-    normal = np.asarray(model.getNormal(tag, where[7].tolist()), dtype=float)
-    point, axis, radius, turn = points[1, 2], normal, 0.0, 0.0
-    if kind == "Cylinder":
-        other = np.asarray(model.getNormal(tag, where[12].tolist()), dtype=float)
-        apart = normal - other
-        radius = float((points[1, 2] - points[2, 2]) @ apart / (apart @ apart))
-        point = points[1, 2] - radius * normal
-        axis = points[1, 4] - points[1, 0]
-        axis = axis / np.linalg.norm(axis)
-        turn = u_high - u_low
-    return Face(tag, kind, point, axis, radius, float(turn), low, high)
 
 
 def same_surface(face: Face, wanted: StepFace, tolerance: float) -> bool:
@@ -96,34 +39,6 @@ def same_surface(face: Face, wanted: StepFace, tolerance: float) -> bool:
         return abs(float(apart @ axis)) < tolerance
     off = float(np.linalg.norm(np.cross(apart, axis)))
     return off < tolerance and abs(abs(face.radius) - wanted.radius) < tolerance
-
-
-def rounds_along(faces: list[Face], tolerance: float) -> list[Round]:
-    """Combine the faces of each cylinder along the shaft that touch or overlap along it."""
-    groups: list[list[Face]] = []
-    for face in sorted(faces, key=lambda face: face.low):
-        if face.kind != "Cylinder" or not face.along:
-            continue
-        for group in groups:
-            first = group[0]
-            if (
-                abs(first.radius - face.radius) < tolerance
-                and math.dist(first.point[:2], face.point[:2]) < tolerance
-                and face.low < max(item.high for item in group) + tolerance
-            ):
-                group.append(face)
-                break
-        else:
-            groups.append([face])
-    rounds = []
-    for group in groups:
-        low, high = min(face.low for face in group), max(face.high for face in group)
-        # Of faces side by side along the shaft, each counts by its length.
-        turn = sum(face.turn * (face.high - face.low) for face in group) / (high - low)
-        x, y = (float(value) for value in group[0].point[:2])
-        tags = tuple(face.tag for face in group)
-        rounds.append(Round((x, y), group[0].radius, low, high, turn, tags))
-    return rounds
 
 
 def named_cylinders(
@@ -210,8 +125,6 @@ def planned_sizes(
 SHORTEST, LONGEST = 0.001, 20.0
 # Of cylinders found by shape, those thinner than this share of the thickest are bolts and the like.
 THINNEST_PIN = 0.5
-# Faces that meet at less than this angle meet smoothly [rad].
-SMOOTH = math.radians(20.0)
 # Rounded edges get no smaller elements than sharp corners do, and holes none smaller than the second:
 # elements larger than a hole is wide overlap in it.
 ROUNDED_PER_BULK, HOLE_PER_BULK = 0.1, 0.02
@@ -240,10 +153,18 @@ class _Recognition:
     """Features found in one solid, in the file's frame."""
 
     def __init__(self, gmsh: Any, solid: int, wanted: RequestedFaces, box: Sequence[float]) -> None:
-        self._gmsh, self._solid, self._box = gmsh, solid, box
-        self._tolerance = PLACE_TOLERANCE * (box[5] - box[2])
+        self._gmsh, self._solid = gmsh, solid
         self._remarks: list[str] = []
         self._faces = [measured_face(gmsh, tag) for _, tag in gmsh.model.getEntities(2)]
+        flat = [face for face in self._faces if face.kind == "Plane" and face.along]
+        if flat:  # the kernel's box reaches beyond a cut through a spline face
+            box = (
+                *box[:2],
+                min(face.low for face in flat),
+                *box[3:5],
+                max(face.high for face in flat),
+            )
+        self._tolerance = PLACE_TOLERANCE * (box[5] - box[2])
         self._rounds = rounds_along(self._faces, self._tolerance)
         self._left = self._end("left_end", wanted.left, box[2])
         self._right = self._end("right_end", wanted.right, box[5])
@@ -266,8 +187,9 @@ class _Recognition:
             )
         row = [self._journals[0], *self._pins, self._journals[1]]
         ends = {face.tag for face in (*self._left, *self._right)}
-        fillets, corners, radii = self._meetings(row, ends)
-        reaches = [self._reach(number, item, fillets) for number, item in enumerate(row)]
+        met = meetings(gmsh, self._solid, row, ends, self._tolerance)
+        fillets, corners, radii = met.fillets, met.corners, met.radii
+        reaches = [met.reach(number, item, self._faces) for number, item in enumerate(row)]
         holes = tuple(
             hole_along(item, turn, shift)
             for item in self._rounds
@@ -436,60 +358,6 @@ class _Recognition:
         else:
             return face.tag
         raise InputError(f"pins: given {name!r}, a cylinder {fault}; allowed is {allowed}.")
-
-    def _meetings(
-        self, row: list[Round], ends: set[int]
-    ) -> tuple[dict[Zone, list[int]], dict[Zone, list[int]], dict[Zone, float]]:
-        """Fillets (with their radii) and sharp corners at the ends of journals and pins."""
-        fillets: dict[Zone, list[int]] = {}
-        corners: dict[Zone, list[int]] = {}
-        radii: dict[Zone, float] = {}
-        for number, item in enumerate(row):
-            for tag in item.tags:
-                for curve, other in self._neighbors(tag, {*item.tags, *ends}):
-                    point = middle_point(self._gmsh, 1, curve)
-                    first = point[2] - item.low < item.high - point[2]
-                    zone = (number, "start" if first else "end")
-                    out = self._normal(other, point)
-                    normal = self._normal(tag, point)
-                    if float(out @ normal) > math.cos(SMOOTH):
-                        where = middle_point(self._gmsh, 2, other)
-                        if math.dist(where[:2], item.axis) > item.radius + self._tolerance:
-                            fillets.setdefault(zone, []).append(other)
-                            radius = curvature_radius(self._gmsh, other)
-                            radii[zone] = min(radius, radii.get(zone, math.inf))
-                    elif self._concave(point, normal, out, 1e-3 * item.radius):
-                        corners.setdefault(zone, []).append(curve)
-        return {zone: sorted(set(tags)) for zone, tags in fillets.items()}, corners, radii
-
-    def _neighbors(self, tag: int, besides: set[int]) -> Iterator[tuple[int, int]]:
-        """Curves round a face, each with the face beyond it."""
-        model = self._gmsh.model
-        for _, curve in model.getBoundary([(2, tag)], combined=False, oriented=False):
-            for other in model.getAdjacencies(1, curve)[0]:
-                if other not in besides:
-                    yield int(curve), int(other)
-
-    def _normal(self, tag: int, point: Array) -> Array:
-        """Normal of a face out of the solid."""
-        model = self._gmsh.model
-        where = model.getParametrization(2, tag, point.tolist())
-        return np.asarray(model.getNormal(tag, where), dtype=float)
-
-    def _concave(self, point: Array, first: Array, second: Array, step: float) -> bool:
-        """Whether two faces meet in an inner corner: along one's normal then lies the other's solid."""
-        probe = point + step * (first - second) / np.linalg.norm(first - second)
-        return bool(self._gmsh.model.isInside(3, self._solid, probe.tolist()))
-
-    def _reach(
-        self, number: int, item: Round, fillets: dict[Zone, list[int]]
-    ) -> tuple[float, float]:
-        """Start and end of a journal or pin, fillets included."""
-        tags = {tag for end in ("start", "end") for tag in fillets.get((number, end), [])} | set(
-            item.tags
-        )
-        faces = [face for face in self._faces if face.tag in tags]
-        return min(face.low for face in faces), max(face.high for face in faces)
 
     def _smallest(self, plan: SizePlan) -> float:
         """Smallest element size on curved surfaces."""

@@ -9,7 +9,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-SATELLITES = ("hinge", "class_document", "service", "optimum")
+SATELLITES = ("hinge", "cad", "class_document", "service", "optimum")
 
 
 def at_place(place: str, package: str = "crankfem.satellites") -> Any:

@@ -3,6 +3,8 @@
 from geometry.crankshaft import ShaftEnds as ShaftEnds
 from geometry.crankshaft import throw_masses as throw_masses
 from geometry.imported import import_throw as import_throw
+from geometry.imported_shaft import ImportedCrankshaft as ImportedCrankshaft
+from geometry.imported_shaft import import_crankshaft as import_crankshaft
 from geometry.mass import MassProperties as MassProperties
 from geometry.mass import Unbalance as Unbalance
 from geometry.mass import unbalance as unbalance

@@ -1,0 +1,1 @@
+"""Crankshafts from CAD: a STEP file becomes throws, their compliances and masses."""

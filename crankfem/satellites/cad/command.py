@@ -1,0 +1,105 @@
+"""The command `cad`."""
+
+from typing import Annotated
+
+import typer
+
+from crankbase.errors import InputError
+from crankbase.input_file import STEP_ENDINGS
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import Output, with_output
+from crankfem.cli.console import print_json
+from fem.wished_accuracy import COMPLIANCE_ACCURACY
+
+
+@with_output(files=True, units=True)
+def cad(
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE.step",
+            help="STEP file with the whole crankshaft, perhaps beside other solids.",
+            autocompletion=completion.files(*STEP_ENDINGS),
+        ),
+    ],
+    solid: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Name or number of the crankshaft among several."),
+    ] = None,
+    free_end: Annotated[
+        str | None,
+        typer.Option(
+            metavar="low|high",
+            help="The free end: that with the low or the high coordinate in the file; by default the thinner "
+            "one.",
+        ),
+    ] = None,
+    cut: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar='"2=3 mm"',
+            help="Move a cut, counted from the free end, towards the flange; once for each.",
+        ),
+    ] = None,
+    accuracy: Annotated[
+        float, typer.Option(help=f"Relative accuracy of e_n, {COMPLIANCE_ACCURACY}.")
+    ] = 0.01,
+    no_fe: Annotated[
+        bool, typer.Option("--no-fe", help="Only find and weigh the throws, without compliances.")
+    ] = False,
+    throws: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FOLDER", help="Write the throws as STEP files, which crankfem throw takes."
+        ),
+    ] = None,
+    *,
+    out: Output,
+) -> None:
+    """Find the crankshaft in a STEP file, cut it into throws, and analyze each kind of throw once."""
+    from pathlib import Path
+
+    from crankfem.analyses.record import with_units
+    from crankfem.jobs.outputs import check_outputs, make_output_folder
+    from crankfem.satellites.cad.run import run_cad
+
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
+    moved = _moved(cut or [])
+    check_outputs(None, None, Path(file))
+    folder = make_output_folder("--throws", throws, (), "solid")
+    with console.RunProgress(out.quiet) as progress:
+        run = run_cad(
+            file,
+            solid=solid,
+            free_end=free_end,
+            cuts=moved,
+            folder=folder,
+            accuracy=None if no_fe else accuracy,
+            on_step=progress.step,
+        )
+        progress.finish()
+    if out.json:
+        print_json(with_units(run))
+        return
+    written = [f"Throws: {throws} ({len(run.files)} files)"] if folder is not None else []
+    *parts, answer = run.parts()
+    out.show(parts, *written, answer)
+
+
+def _moved(texts: list[str]) -> dict[int, float]:
+    """Return by how much cuts are moved [m], by number."""
+    from crankbase.quantity import parse_quantity
+
+    moved: dict[int, float] = {}
+    for text in texts:
+        number, _, shift = text.partition("=")
+        if not number.strip().isdecimal():
+            raise InputError(
+                f"--cut: given {text!r}; allowed is the number of a cut and how far it moves, like "
+                '"2=3 mm", because cuts are counted from the free end.'
+            )
+        if int(number) in moved:
+            raise InputError(f"--cut: given twice for cut {int(number)}; give it once.")
+        moved[int(number)] = parse_quantity(shift, "m", "--cut")
+    return moved
