@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, MeshError
 from crankbase.processes import scratch_folder
 from crankbase.quantity import format_quantity
 from geometry.equal_pieces import EQUAL, Signature, signature
@@ -23,7 +23,7 @@ from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mesh import OnRemark, SolidProperties, properties_of
 from geometry.shaft_shape import PLACE, Line, frame_along, journals_of, usual_cuts
 from geometry.solid import remove_loose
-from geometry.solids_in_file import MM, SolidInFile, crankshaft_among, measured_solid
+from geometry.solids_in_file import MM, SolidInFile, crankshaft_among, measured_solid, united
 
 Array = NDArray[np.float64]
 # Volumes of the pieces make up the whole to this share; of spline faces the kernel's own are less exact.
@@ -31,7 +31,7 @@ KEPT, KEPT_OF_SPLINES = 1e-4, 0.01
 # A disk that cuts a journal is so much larger.
 BEYOND = 1.02
 # Cylinders at the two ends are of one thickness to this share.
-ALIKE = 1e-6
+ALIKE = 1e-4
 # The free end is that with the low or the high coordinate in the file, along its main direction.
 LOW, HIGH = "low", "high"
 THICKER, GIVEN = "thicker", "given"
@@ -189,13 +189,13 @@ class _Shaft:
         self._turn(line, free_end)
         self._faces = self._measured()
         self._rounds = rounds_along(self._faces, self._near)
-        tags = {tag for item in line.pins for tag in item.tags}
         on_axis = [
             item
             for item in self._rounds
             if item.whole and item.radius > 0.0 and item.offset < self._near
         ]
-        self._pins = [item for item in self._rounds if tags & set(item.tags)]
+        # gmsh numbers the faces of what it turns anew.
+        self._pins = sorted((self._turned(line, pin) for pin in line.pins), key=_low)
         journals = journals_of(on_axis, self._pins, self._near)
         self._mains, self._throws = journals.mains, journals.throws
         corners = gmsh.model.getBoundary([(3, solid)], oriented=False, recursive=True)
@@ -213,6 +213,16 @@ class _Shaft:
         self._reaches = [
             self._met.reach(place, item, self._faces) for place, item in enumerate(row)
         ]
+
+    def _turned(self, line: Line, pin: Round) -> Round:
+        """Find a pin again in the shaft's frame."""
+        middle = line.rotation.T @ np.array([*pin.axis, pin.middle])
+        x, y, z = self.rotation @ (middle - self.origin)
+        for item in self._rounds:
+            same = math.dist(item.axis, (x, y)) < 3.0 * self._near and item.low < z < item.high
+            if same and abs(item.radius - pin.radius) < 3.0 * self._near:
+                return item
+        raise MeshError("a pin is not where it was before the crankshaft was turned.")
 
     @property
     def splines(self) -> bool:
@@ -425,6 +435,10 @@ class _Shaft:
         return sum(
             face.kind == "Cylinder" and face.radius < 0.0 and not face.along for face in self._faces
         )
+
+
+def _low(item: Round) -> float:
+    return item.low
 
 
 def angle_of(axis: tuple[float, float]) -> float:

@@ -73,7 +73,7 @@ def united(gmsh: Any, solid: int, line: Line) -> tuple[int, Line]:
         if gmsh.model.isInside(3, solid, place.tolist()):
             break
     box = (3, occ.addBox(*(place - 0.5 * size).tolist(), size, size, size))
-    made, _ = occ.fuse([(3, solid)], [box], removeObject=False)
+    made, _ = occ.fuse(occ.copy([(3, solid)]), [box])
     occ.synchronize()
     (_, whole), *others = made
     volumes = float(occ.getMass(3, whole)), float(occ.getMass(3, solid))

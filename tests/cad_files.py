@@ -1,4 +1,4 @@
-"""STEP files of crankshafts as CAD programs write them: turned, in inches, beside other parts, faces divided."""
+"""STEP files of crankshafts as CAD writes them: turned, in inches, beside other parts, faces divided."""
 
 import math
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ class Posture:
     splines: bool = False
 
 
-def write_parts(path, build, posture=Posture()):  # noqa: B008
+def write_parts(path, build, posture=Posture()):
     """Write what a function builds in gmsh, in m, as a STEP file."""
     size, entity, more = UNITS[posture.unit]
     with gmsh_session("write") as gmsh, scratch_folder() as folder:
@@ -78,7 +78,7 @@ def write_parts(path, build, posture=Posture()):  # noqa: B008
     return Path(path)
 
 
-def write_shaft(path, shaft, posture=Posture()):  # noqa: B008
+def write_shaft(path, shaft, posture=Posture()):
     """Write a `Crankshaft` as a STEP file."""
     return write_parts(path, lambda gmsh: make_shaft(gmsh, shaft), posture)
 
