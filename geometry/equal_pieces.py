@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from geometry.faces import Face, measured_face
+from geometry.gmsh_session import curvature_radius
+
 Array = NDArray[np.float64]
 # Faces, and volumes, are the same to this share of the throw's length, of its square, and of the volume.
 SAME = 1e-5
@@ -18,14 +21,14 @@ CHANGES = {EQUAL: (1.0, 1.0), REVERSED: (-1.0, -1.0), MIRRORED: (-1.0, 1.0), BOT
 
 @dataclass(frozen=True)
 class Signature:
-    """A throw's faces without those of its end sections.
+    """A throw's surfaces without those of its end sections, each perhaps of several faces.
 
     Attributes
     ----------
     volume, low, high : float
         Of the throw, and its reach along z.
     areas, centers : arrays (n,), (n, 3)
-        Of its faces.
+        Of its surfaces.
     angles : tuple of float
         Of its pins, about +z from +y [rad].
     """
@@ -53,15 +56,16 @@ class Signature:
             back = _turned(-self.angles[0 if along > 0.0 else -1])
             change = _turned(other.angles[0]) @ np.diag([across, 1.0, along]) @ back
             here = np.column_stack([self.local @ change.T / length, self.areas / length**2])
-            apart, places = there.query(here)
-            if len(set(places.tolist())) == len(here) and apart.max() < SAME:
+            apart, places = map(np.asarray, there.query(here))
+            if len(np.unique(places)) == len(here) and apart.max() < SAME:
                 return way
         return None
 
     @property
     def local(self) -> Array:
-        """Centers of the faces, z from the throw's middle."""
-        return self.centers - np.array([0.0, 0.0, 0.5 * (self.low + self.high)])
+        """Centers of the surfaces, z from the throw's middle."""
+        middle = 0.5 * (self.low + self.high)
+        return np.asarray(self.centers - np.array([0.0, 0.0, middle]))
 
     @property
     def symmetry(self) -> str:
@@ -79,13 +83,38 @@ def _turned(angle: float) -> Array:
 
 def signature(gmsh: Any, solid: int, low: float, high: float, angles: Sequence[float]) -> Signature:
     """Measure a solid between two end planes; parameters as the attributes of `Signature`."""
-    occ = gmsh.model.occ
-    areas, centers = [], []
+    occ, length = gmsh.model.occ, high - low
+    surfaces: list[tuple[str, Array]] = []
+    areas: list[float] = []
+    moments: list[Array] = []
     for _, tag in gmsh.model.getBoundary([(3, solid)], combined=False, oriented=False):
-        center = occ.getCenterOfMass(2, tag)
-        end = min(abs(center[2] - low), abs(center[2] - high)) < SAME * (high - low)
-        if not (end and gmsh.model.getType(2, tag) == "Plane"):
-            areas.append(occ.getMass(2, tag))
-            centers.append(center)
+        area, center = occ.getMass(2, tag), np.array(occ.getCenterOfMass(2, tag))
+        face = measured_face(gmsh, tag)
+        end = min(abs(center[2] - low), abs(center[2] - high)) < SAME * length
+        if end and face.kind == "Plane":
+            continue
+        # Programs divide surfaces as they like.
+        key = _surface(gmsh, face, length)
+        for place, (kind, other) in enumerate(surfaces):
+            if kind == face.kind and float(np.abs(key - other).max()) < SAME * length:
+                areas[place] += area
+                moments[place] = moments[place] + area * center
+                break
+        else:
+            surfaces.append((face.kind, key))
+            areas.append(area)
+            moments.append(area * center)
     volume = float(occ.getMass(3, solid))
-    return Signature(volume, low, high, np.array(areas), np.array(centers), tuple(angles))
+    centers = np.array(moments) / np.array(areas)[:, None]
+    return Signature(volume, low, high, np.array(areas), centers, tuple(angles))
+
+
+def _surface(gmsh: Any, face: Face, length: float) -> Array:
+    """Numbers by which faces of one surface are known, lengths in the model's unit."""
+    if face.kind == "Plane":
+        return np.array([*(length * face.axis), face.point @ face.axis])
+    if face.kind == "Cylinder":
+        axis = face.axis * np.sign(face.axis[np.argmax(np.abs(face.axis))])
+        foot = face.point - axis * float(face.point @ axis)
+        return np.array([*(length * axis), *foot, face.radius])
+    return np.array([face.low, face.high, min(curvature_radius(gmsh, face.tag), length)])

@@ -233,8 +233,8 @@ def import_crankshaft(
             into.mkdir(parents=True, exist_ok=True)
         throws: list[ImportedThrow] = []
         for number, piece in enumerate(cut.throws):
-            if not piece.text:
-                throws.append(throws[piece.like])
+            if piece.copied is not None:
+                throws.append(throws[piece.copied])
                 continue
             tell(f"Reading throw {number + 1}")
             throws.append(_imported(cut, piece, into / THROW_FILE.format(number + 1), process))

@@ -23,7 +23,13 @@ from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mesh import OnRemark, SolidProperties, properties_of
 from geometry.shaft_shape import PLACE, Line, frame_along, journals_of, usual_cuts
 from geometry.solid import remove_loose
-from geometry.solids_in_file import MM, SolidInFile, crankshaft_among, measured_solid, united
+from geometry.solids_in_file import (
+    MM,
+    SolidInFile,
+    crankshaft_among,
+    is_built_up,
+    measured_solid,
+)
 
 Array = NDArray[np.float64]
 # Volumes of the pieces make up the whole to this share; of spline faces the kernel's own are less exact.
@@ -65,8 +71,10 @@ class Piece:
         As of a `CrankThrow`.
     like, change : int, str
         Number of the first throw that it is like, perhaps its own, and how that becomes it.
+    copied : int or None
+        Number of a throw before it that is the same.
     text : str
-        STEP file of a throw that is unlike those before it, first pin at +y, left end at z = 0.
+        STEP file of a throw that is no copy, first pin at +y, left end at z = 0.
     """
 
     low: float
@@ -76,6 +84,7 @@ class Piece:
     symmetry: str = "full"
     like: int = 0
     change: str = ""
+    copied: int | None = None
     text: str = ""
 
 
@@ -148,14 +157,13 @@ def cut_shaft(
         tell("Looking for the crankshaft")
         measured = [measured_solid(gmsh, tag, number) for number, tag in enumerate(tags, start=1)]
         solids = tuple(solid for solid, _ in measured)
-        chosen = crankshaft_among(path, solids, name)
+        chosen = crankshaft_among(path, solids, name, lambda: is_built_up(gmsh, tags))
         line = measured[chosen][1]
         assert isinstance(line, Line)
         others = [(3, tag) for tag in tags if tag != tags[chosen]]
         gmsh.model.occ.remove(others, recursive=True)
         with gmsh_errors("cut the crankshaft"):
-            whole, line = united(gmsh, tags[chosen], line)
-            shaft = _Shaft(gmsh, path, whole, line, free_end)
+            shaft = _Shaft(gmsh, path, tags[chosen], line, free_end)
             tell("Cutting it into throws")
             shaft.cut(moved)
             tell("Comparing the throws")
@@ -358,14 +366,15 @@ class _Shaft:
             pins = self._throws[len(throws)]
             angles = [angle_of(pin.axis) for pin in pins]
             found = signature(self._gmsh, tag, low, high, angles)
-            like, change = len(throws), EQUAL
+            number = len(throws)
+            like, change, copied = number, EQUAL, None
             for place, other in enumerate(known):
                 way = other.change_to(found)
-                if way is not None and (like == len(throws) or way == EQUAL):
-                    like, change = place, way
                 if way == EQUAL:
+                    like, change, copied = throws[place].like, throws[place].change, place
                     break
-            new = change != EQUAL or like == len(throws)
+                if way is not None and like == number:
+                    like, change = place, way
             throws.append(
                 replace(
                     piece,
@@ -373,7 +382,10 @@ class _Shaft:
                     symmetry=found.symmetry,
                     like=like,
                     change=change,
-                    text=self._text(shapes, tag, low, angles[0], folder) if new else "",
+                    copied=copied,
+                    text=""
+                    if copied is not None
+                    else self._text(shapes, tag, low, angles[0], folder),
                 )
             )
             known.append(found)

@@ -1,7 +1,6 @@
 """The solids of a CAD file, and the crankshaft among them."""
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -13,10 +12,6 @@ from geometry.shaft_shape import Line, crank_line
 
 # The kernel's tolerances are made for lengths in mm, in which it reads files.
 MM = 1e-3
-# A box within a pin, relative to its radius, and where it may be beside a bore.
-SMALL, SHARES = 0.01, (0.6, 0.75, 0.9)
-# A union keeps the volume to this share.
-UNITED = 1e-4
 Place = tuple[float, float, float]
 
 
@@ -53,53 +48,31 @@ def measured_solid(gmsh: Any, tag: int, number: int) -> tuple[SolidInFile, Line 
     return SolidInFile(f"{number} {label}", volume, (x, y, z), low, high, what), line
 
 
-def united(gmsh: Any, solid: int, line: Line) -> tuple[int, Line]:
-    """Unite the faces of a crankshaft that are divided, as by programs that revolve halves.
-
-    The kernel does so with the result of a union: here with a small box within a pin.
-
-    Returns
-    -------
-    tuple of (int, Line)
-        The solid and its axis; the ones given, if journals and pins are in one piece.
-    """
-    if all(len(item.tags) == 1 for item in (*line.rounds, *line.pins)):
-        return solid, line
-    occ, pin = gmsh.model.occ, line.pins[0]
-    size = SMALL * pin.radius
-    for share in (0.0, *SHARES):
-        middle = np.array([pin.axis[0] + share * pin.radius, pin.axis[1], pin.middle])
-        place = line.rotation.T @ middle
-        if gmsh.model.isInside(3, solid, place.tolist()):
-            break
-    box = (3, occ.addBox(*(place - 0.5 * size).tolist(), size, size, size))
-    made, _ = occ.fuse(occ.copy([(3, solid)]), [box])
-    occ.synchronize()
-    (_, whole), *others = made
-    volumes = float(occ.getMass(3, whole)), float(occ.getMass(3, solid))
-    new = _line(gmsh, whole) if not others and math.isclose(*volumes, rel_tol=UNITED) else ""
-    if isinstance(new, str):
-        occ.remove(made, recursive=True)
-        return solid, line
-    occ.remove([(3, solid)], recursive=True)
-    occ.synchronize()
-    return whole, new
+def is_built_up(gmsh: Any, solids: Sequence[int]) -> bool:
+    """Whether several solids are a crankshaft together, as pressed ones are."""
+    return len(solids) > 1 and isinstance(_line(gmsh, *solids), Line)
 
 
-def _line(gmsh: Any, tag: int) -> Line | str:
-    box = gmsh.model.getBoundingBox(3, tag)
-    sides = gmsh.model.getBoundary([(3, tag)], combined=False, oriented=False)
-    faces = [measured_face(gmsh, face) for _, face in sides]
-    return crank_line(faces, math.dist(box[:3], box[3:]))
+def _line(gmsh: Any, *solids: int) -> Line | str:
+    """Look for the axis of a crankshaft of one solid or several."""
+    boxes = np.array([gmsh.model.getBoundingBox(3, tag) for tag in solids])
+    size = float(np.linalg.norm(boxes[:, 3:].max(axis=0) - boxes[:, :3].min(axis=0)))
+    parts = [(3, tag) for tag in solids]
+    sides = gmsh.model.getBoundary(parts, combined=False, oriented=False)
+    return crank_line([measured_face(gmsh, face) for _, face in sides], size)
 
 
-def crankshaft_among(path: str, solids: Sequence[SolidInFile], name: str | None) -> int:
+def crankshaft_among(
+    path: str, solids: Sequence[SolidInFile], name: str | None, built_up: Callable[[], bool]
+) -> int:
     """Find the crankshaft among the solids.
 
     Parameters
     ----------
     name : str or None
         Of a solid, with or without its number, or the number alone; by default the one crankshaft.
+    built_up : callable
+        Tells whether all solids together are one.
 
     Returns
     -------
@@ -140,9 +113,13 @@ def crankshaft_among(path: str, solids: Sequence[SolidInFile], name: str | None)
         )
     if not cranks:
         found = "; ".join(f"{solid.name}: {solid.what}" for solid in solids)
-        built = ", or built up of several solids" if len(solids) > 1 else ""
+        if built_up():
+            raise InputError(
+                f"{path}: given a crankshaft built up of {len(solids)} solids ({found}); allowed is one "
+                "that is one solid, so unite them in the CAD program."
+            )
         raise InputError(
             f"{path}: given no crankshaft in one solid ({found}); allowed is one solid with crankpins "
-            f"between main journals, not a part of one{built}."
+            "between main journals."
         )
     return cranks[0]

@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
+
 from crankbase.array_checks import FloatArray
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankbase.sentences import amount, angle, finished, joined
@@ -108,7 +110,7 @@ class CadRun(Result):
     @property
     def axis(self) -> Annotated[FloatArray, Quantity("1")]:
         """Direction of the shaft in the file."""
-        return self.shaft.axes[2]
+        return np.asarray(self.shaft.axes[2])
 
     @property
     def origin(self) -> Annotated[FloatArray, Quantity("m")]:
@@ -143,7 +145,7 @@ class CadRun(Result):
     @property
     def mass(self) -> Kilogram:
         """Of the whole crankshaft."""
-        return sum(part.mass for part in (*self.throws, *self.ends))
+        return sum(throw.mass for throw in self.throws) + sum(end.mass for end in self.ends)
 
     def parts(self) -> Iterator[Table | str]:
         """Return tables and sentences for a console, the throws last."""
