@@ -12,8 +12,8 @@ from geometry.faces import Face, measured_face
 from geometry.gmsh_session import curvature_radius
 
 Array = NDArray[np.float64]
-# Faces, and volumes, are the same to this share of the throw's length, of its square, and of the volume.
-SAME = 1e-5
+# Surfaces are the same to this share of the throw's length, and of its square; volumes to their own one.
+SAME, SAME_VOLUME = 1e-4, 1e-5
 # How a throw becomes another one: the signs of x and z in its frame. Turning end for end changes both.
 EQUAL, MIRRORED, REVERSED, BOTH = "equal", "mirrored", "reversed", "mirrored and reversed"
 CHANGES = {EQUAL: (1.0, 1.0), REVERSED: (-1.0, -1.0), MIRRORED: (-1.0, 1.0), BOTH: (1.0, -1.0)}
@@ -44,7 +44,7 @@ class Signature:
         """Return the first of the ways in which it becomes another throw, or None."""
         length = self.high - self.low
         alike = (
-            abs(self.volume / other.volume - 1.0) < SAME
+            abs(self.volume / other.volume - 1.0) < SAME_VOLUME
             and abs((other.high - other.low) / length - 1.0) < SAME
             and len(self.areas) == len(other.areas)
         )

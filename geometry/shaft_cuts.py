@@ -196,6 +196,8 @@ class _Shaft:
         self._near = PLACE * math.dist(box[:3], box[3:])
         self._turn(line, free_end)
         self._faces = self._measured()
+        kinds = {gmsh.model.getType(2, face.tag) for face in self._faces}
+        self.splines = not kinds <= {*PLAIN_KINDS}
         self._rounds = rounds_along(self._faces, self._near)
         on_axis = [
             item
@@ -231,12 +233,6 @@ class _Shaft:
             if same and abs(item.radius - pin.radius) < 3.0 * self._near:
                 return item
         raise MeshError("a pin is not where it was before the crankshaft was turned.")
-
-    @property
-    def splines(self) -> bool:
-        """Whether it has faces of unknown shape or given by splines."""
-        kinds = {self._gmsh.model.getType(2, face.tag) for face in self._faces}
-        return not kinds <= {*PLAIN_KINDS}
 
     def _measured(self) -> list[Face]:
         sides = self._gmsh.model.getBoundary([(3, self._solid)], combined=False, oriented=False)

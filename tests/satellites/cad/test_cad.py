@@ -1,5 +1,6 @@
 import json
 import math
+import re
 from dataclasses import replace
 from functools import partial
 
@@ -102,16 +103,23 @@ def test_as_programs_write_it(four, tmp_path, posture):
     assert read.unit == {"mm": 1e-3, "inch": 0.0254}[posture.unit]
 
 
-def test_exact_splines_are_read_with_a_remark_on_their_mass(four, tmp_path):
+def test_splines_are_read_with_a_remark_on_their_mass_or_refused(four, tmp_path):
     two = Crankshaft(four.throws[:2], crank_angles_deg=[0.0, 90.0], ends=four.ends)
-    read = run_cad(
-        write_shaft(tmp_path / "s.step", two, replace(TURNED, splines=True)), accuracy=None
-    )
-    off = differences(two, read)
-    assert off["angle [deg]"] < 0.01
-    assert off["place [m]"] < 1e-6
-    assert off["mass"] < 0.01
-    assert any("spline faces" in remark for remark in read.remarks)
+    read, reasons = [], []
+    for turn in ((0.0, 0.0, 0.0), TURNED.turn):
+        path = write_shaft(tmp_path / "s.step", two, Posture(turn, splines=True))
+        try:
+            read.append(run_cad(path, accuracy=None))
+        except InputError as refused:
+            reasons.append(str(refused))
+    assert read
+    assert all(re.search(r"cuts into \d pieces with [\d.]+ % of its", text) for text in reasons)
+    for run in read:
+        off = differences(two, run)
+        assert off["angle [deg]"] < 0.01
+        assert off["place [m]"] < 1e-6
+        assert off["mass"] < 0.01
+        assert any("spline faces" in remark for remark in run.remarks)
 
 
 @pytest.mark.parametrize("name", ["buick-3800", "6chn25-34"])
