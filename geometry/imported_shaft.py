@@ -309,7 +309,7 @@ def _crankshaft(
         pins=tuple(map(_cylinder, cut.pins)),
         bores=tuple(map(_cylinder, cut.bores)),
         ends=(_end(cut.free_end), _end(cut.flange_end)),
-        remarks=tuple(_remarks(cut)),
+        remarks=tuple(_remarks(cut, unit)),
         _pieces=pieces,
     )
 
@@ -332,7 +332,7 @@ def _cylinder(found: FoundCylinder) -> ShaftCylinder:
     )
 
 
-def _remarks(cut: CutShaft) -> list[str]:
+def _remarks(cut: CutShaft, unit: float) -> list[str]:
     """Say how the file was understood."""
     axis = cut.rotation[2]
     main = int(np.argmax(np.abs(axis)))
@@ -340,7 +340,10 @@ def _remarks(cut: CutShaft) -> list[str]:
     along = f"along {way}" if abs(axis[main]) > 1.0 - 1e-9 else f"near {way}"
     ends = {THICKER: "the flange is the thicker end", GIVEN: "the free end was given"}
     why = ends.get(cut.flange_by, "both ends are equally thick, and it has the higher coordinate")
-    remarks = [f"The shaft axis, from the free end to the flange, is {along} in the file: {why}."]
+    remarks = [
+        f"The file's unit of length is {amount(unit, 'm')}.",
+        f"The shaft axis, from the free end to the flange, is {along} in the file: {why}.",
+    ]
     if cut.off_line > 1e-6:
         remarks.append(
             f"Main journals are off the shaft axis by up to {amount(cut.off_line, 'm', 3)}."

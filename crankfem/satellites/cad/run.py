@@ -210,8 +210,12 @@ class CadRun(Result):
 
     def throw_table(self) -> Table:
         """Return the throws with their compliances."""
+        compliances = (
+            (Column("e_n", "1e-9 m/N"), "axial_compliance"),
+            (Column("torsional", "1e-9 rad/(N m)"), "torsional_compliance"),
+        )
         return Table.of_records(
-            "Throws, ends pinned",
+            "Throws, ends pinned" if self.analyses else "Throws",
             self.throws,
             (Column("throw"), "number"),
             (Column("angle", "deg", digits=None), lambda throw: math.radians(throw.angle_deg)),
@@ -220,8 +224,7 @@ class CadRun(Result):
             (Column("mass", "kg", 5), "mass"),
             (Column("kind", words=True), _kind),
             (Column("symmetry", words=True), "symmetry"),
-            (Column("e_n", "1e-9 m/N"), "axial_compliance"),
-            (Column("torsional", "1e-9 rad/(N m)"), "torsional_compliance"),
+            *(compliances if self.analyses else ()),
             main=True,
         )
 
