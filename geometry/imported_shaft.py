@@ -14,7 +14,7 @@ from uuid import uuid4
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.calls import ProcessLostError
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
@@ -132,8 +132,8 @@ class ImportedCrankshaft:
     unit: float
     solids: tuple[SolidInFile, ...]
     solid: str
-    axes: FloatArray
-    origin: FloatArray
+    axes: Array
+    origin: Array
     throws: tuple[ImportedThrow, ...]
     angles_deg: tuple[float, ...]
     starts: tuple[float, ...]

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from crankbase.array_checks import FloatArray
+from crankbase.array_checks import Array
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankbase.sentences import amount, angle, finished, joined
 from crankbase.table import Column, Main, Table
@@ -46,7 +46,7 @@ class ThrowOfShaft(Result):
     start: Metre
     length: Metre
     mass: Kilogram
-    center: Annotated[FloatArray, Quantity("m", "in the shaft's frame (3,)")]
+    center: Annotated[Array, Quantity("m", "in the shaft's frame (3,)")]
     inertia_about_shaft: Inertia
     symmetry: str
     like: int
@@ -108,12 +108,12 @@ class CadRun(Result):
         return self.shaft.solids
 
     @property
-    def axis(self) -> Annotated[FloatArray, Quantity("1")]:
+    def axis(self) -> Annotated[Array, Quantity("1")]:
         """Direction of the shaft in the file."""
         return np.asarray(self.shaft.axes[2])
 
     @property
-    def origin(self) -> Annotated[FloatArray, Quantity("m")]:
+    def origin(self) -> Annotated[Array, Quantity("m")]:
         """Center of the first cut in the file."""
         return self.shaft.origin
 
