@@ -185,7 +185,8 @@ class StudySection(InputModel):
         None, description="of a fractional factorial, or of the corners of a central composite"
     )
     generators: str | None = Field(
-        None, description='of a fractional factorial in place of a resolution, like "a b c abc"'
+        None,
+        description='generators of a fractional factorial in place of a resolution, like "a b c abc"',
     )
     face: Literal["faced", "inscribed", "circumscribed"] | None = Field(
         None, description="position of the star points of a central composite"

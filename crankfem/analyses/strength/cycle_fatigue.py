@@ -226,7 +226,7 @@ class EngineFatigue(Result):
         )
         broken = sum(place.safety < 1.0 for place in self.places)
         if broken:
-            text += f"; {broken} of {len(self.places)} locations are below 1"
+            text += f"; {broken} of {len(self.places)} locations {'is' if broken == 1 else 'are'} below 1"
         if least.rule_factor is None:
             return f"{text}; UR M53 does not cover that location."
         return f"{text}; UR M53 has Q = {least.rule_factor:.2f} for that location."

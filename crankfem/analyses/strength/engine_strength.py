@@ -516,7 +516,9 @@ class EngineStrength(Result):
         )
         count = len(self.places)
         text += (
-            f"; {wrong} of {count} locations are below it." if wrong else f"; all {count} reach it."
+            f"; {wrong} of {count} locations {'is' if wrong == 1 else 'are'} below it."
+            if wrong
+            else f"; all {count} reach it."
         )
         fits = [throw for throw in self.throws if throw.fit is not None and not throw.fit.passed]
         if fits and fits[0].fit is not None:
