@@ -40,8 +40,8 @@ class Signature:
     centers: Array
     angles: tuple[float, ...]
 
-    def change_to(self, other: "Signature", ways: Sequence[str] = tuple(CHANGES)) -> str | None:
-        """Return the first of the ways in which it becomes another throw, or None."""
+    def change_to(self, other: "Signature") -> str | None:
+        """Return the first of `CHANGES` by which it becomes another throw, or None."""
         length = self.high - self.low
         alike = (
             abs(self.volume / other.volume - 1.0) < SAME_VOLUME
@@ -50,16 +50,21 @@ class Signature:
         )
         if not alike:
             return None
-        there = KDTree(np.column_stack([other.local / length, other.areas / length**2]))
-        for way in ways:
-            across, along = CHANGES[way]
+        for way, (across, along) in CHANGES.items():
             back = _turned(-self.angles[0 if along > 0.0 else -1])
-            change = _turned(other.angles[0]) @ np.diag([across, 1.0, along]) @ back
-            here = np.column_stack([self.local @ change.T / length, self.areas / length**2])
-            apart, places = map(np.asarray, there.query(here))
-            if len(np.unique(places)) == len(here) and apart.max() < SAME:
+            if self._becomes(
+                other, _turned(other.angles[0]) @ np.diag([across, 1.0, along]) @ back
+            ):
                 return way
         return None
+
+    def _becomes(self, other: "Signature", change: Array) -> bool:
+        """Whether a rotation or mirror about the middle puts each surface where the other one has one."""
+        length = self.high - self.low
+        there = KDTree(np.column_stack([other.local / length, other.areas / length**2]))
+        here = np.column_stack([self.local @ change.T / length, self.areas / length**2])
+        apart, places = map(np.asarray, there.query(here))
+        return len(np.unique(places)) == len(here) and bool(apart.max() < SAME)
 
     @property
     def local(self) -> Array:
@@ -70,9 +75,13 @@ class Signature:
     @property
     def symmetry(self) -> str:
         """The part of the throw that is enough: quarter, half or full."""
-        if self.change_to(self, (MIRRORED,)) is None:
-            return "full"
-        return "half" if self.change_to(self, (BOTH,)) is None else "quarter"
+        # Mirrors alone: with several pins a throw may become itself by a mirror and a turn, and has no part.
+        turn = _turned(self.angles[0])
+        mirrored, both = (
+            self._becomes(self, turn @ np.diag([across, 1.0, along]) @ turn.T)
+            for across, along in (CHANGES[MIRRORED], CHANGES[BOTH])
+        )
+        return "full" if not mirrored else "quarter" if both else "half"
 
 
 def _turned(angle: float) -> Array:

@@ -25,6 +25,7 @@ from geometry.imported import import_throw
 from geometry.imported_shaft import import_crankshaft
 from geometry.mass import mass_properties
 from geometry.throw import CrankThrow
+from geometry.throw_dimensions import FurtherPin
 
 pytestmark = pytest.mark.slow
 # Largest differences of what is read from what was written.
@@ -316,6 +317,16 @@ def test_the_kinds_of_change_keep_the_pin_in_the_crank_plane():
         moved = centers * [across, 1.0, along] + [0.0, 0.0, 0.5 - 0.5 * along]
         assert one.change_to(replace(one, centers=moved)) == change
     assert one.change_to(replace(one, areas=1.001 * areas)) is None
+
+
+def test_two_opposite_pins_are_no_mirror_about_the_middle(dimensions, tmp_path):
+    pin = FurtherPin(angle=math.pi, web_width=0.3)
+    throw = CrankThrow(**dimensions, further_pins=(pin,))
+    shaft = Crankshaft([throw, throw], crank_angles_deg=[0.0, 90.0])
+    read = import_crankshaft(write_shaft(tmp_path / "two-pins.step", shaft))
+    assert throw.symmetry == "half"
+    assert read.symmetries == ("half", "half")
+    assert [place for place, _ in read.like] == [1, 1]
 
 
 def test_command(call, file, run, four):
