@@ -31,9 +31,10 @@ import sys, time
 from statistics import median
 from crankfem.files.engine.throw_file import load_throw
 from fem.analysis import analyze_throw
+from fem.first_mesh import first_factor
 from geometry.mesher import mesh_isolated
 throw, material = load_throw(sys.argv[1])
-mesh = mesh_isolated(throw, 2.0, sys.argv[2])
+mesh = mesh_isolated(throw, first_factor(throw, 0.04), sys.argv[2])
 taken = []
 for _ in range(8):
     before = time.process_time()

@@ -4,9 +4,11 @@ from geometry.gmsh_session import shared_process
 from geometry.mesher import Throw, expected_unknowns
 from geometry.throw import CrankThrow
 
-# Size factor of the first mesh.
+# Size factor of the first mesh, and from which accuracy on it is how much coarser: answers are then within
+# 1 % of the finest ones (docs/accuracy.md).
 FIRST_FILLETED = 2.0
 FIRST_SHARP = 2.2
+LITTLE_ACCURACY, COARSER = 0.04, 1.5
 # With oil holes it is planned for this times the squared inverse of the wished accuracy, as far as this
 # factor goes: holes are small and many elements stand round them, though they hardly change compliances.
 # So is the first refined mesh, which has some 1.4 times the unknowns that are planned.
@@ -17,6 +19,7 @@ MOST_UNKNOWNS = 450_000
 def first_factor(throw: Throw, accuracy: float) -> float:
     """Size factor of the first mesh for an accuracy of the axial compliance."""
     factor = FIRST_FILLETED if throw.filleted else FIRST_SHARP
+    factor *= COARSER if accuracy >= LITTLE_ACCURACY else 1.0
     most = most_planned(throw, accuracy, FIRST_DRILLED)
     while factor < COARSEST_DRILLED and expected_unknowns(throw, factor) > most:
         factor *= 1.1

@@ -30,7 +30,7 @@ from fem.analysis import (
     solve_to_accuracy,
 )
 from fem.correction import EnergyErrors
-from fem.first_mesh import FIRST_FILLETED, FIRST_SHARP
+from fem.first_mesh import FIRST_FILLETED, FIRST_SHARP, first_factor
 from fem.material import STEEL
 from fem.solver import Stopwatch
 from fem.supports import class_axial_compliances
@@ -232,12 +232,19 @@ class Recorder:
 def test_one_mesh_is_enough_where_it_is_accurate_enough(throw, mesh, level):
     mesher = Recorder(mesh)
     found = solve_to_accuracy(throw, 0.1, PROBLEM, mesher)
-    assert mesher.asked == [(FIRST_FILLETED, "auto", None)]
+    assert mesher.asked == [(1.5 * FIRST_FILLETED, "auto", None)]
     assert found.error_estimate == level.error_estimate
     assert found.axial == level.axial
     sharp = Recorder(mesh)
     solve_to_accuracy(throw.model_copy(update={"fillet_radius": 0.0}), 0.1, PROBLEM, sharp)
-    assert sharp.asked == [(FIRST_SHARP, "auto", None)]
+    assert sharp.asked == [(1.5 * FIRST_SHARP, "auto", None)]
+
+
+def test_the_first_mesh_is_coarser_where_little_accuracy_is_asked_for(throw):
+    """Below 0.04, the default among them, all accuracies begin alike."""
+    wished = (0.001, 0.01, 0.039, 0.04, 0.099, 0.1)
+    factors = [first_factor(throw, accuracy) / FIRST_FILLETED for accuracy in wished]
+    assert factors == [1.0, 1.0, 1.0, 1.5, 1.5, 1.5]
 
 
 def test_a_mesh_that_gets_no_better_ends_the_search(throw, mesh, level):
