@@ -58,7 +58,8 @@ def featured():
 
 @pytest.fixture(scope="module")
 def featured_analysis(featured):
-    return analyze_throw(featured, accuracy=0.1)
+    # On coarser meshes, for 0.04 to 0.1, sums of slopes are off by up to 1.7 of the error stated for each.
+    return analyze_throw(featured, accuracy=0.03)
 
 
 def slopes_of(mesh, throw, condensed):
