@@ -326,7 +326,7 @@ def test_responses_of_a_study_have_the_slopes_of_an_analysis(featured, featured_
     """Of the same mesh and solutions, without correction, alone and between neighbors."""
     discrete = featured_analysis.discrete
     paths = ("web_width", "counterweight.thickness", "pin_bore_offset", "no_dimension")
-    found = evaluate_throw(featured, accuracy=0.1, slopes=paths)
+    found = evaluate_throw(featured, accuracy=0.03, slopes=paths)
     for name, support in (("pinned", "pinned"), ("in_line", cf.Neighbors(0.0, 0.0))):
         expected = discrete.sensitivities("axial_compliance", support)
         slopes = found.slopes[f"axial_compliance_{name}"]
