@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.sentences import written
 from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, exceeded_ranges
 from dynamics.assessment.limit_rules import (
     CRANKSHAFT_RULES,
@@ -32,7 +33,7 @@ from dynamics.response.linear_system import damped
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import refined_speeds
-from dynamics.wording import speed_text
+from dynamics.wording import at_speed
 from refusals import refusals, refusals_of
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
@@ -210,7 +211,7 @@ def test_a_range_that_reaches_into_the_running_range_is_barred():
     (barred,) = verdict.barred
     # Nothing is barred below the running range; there it is passed on every start.
     assert barred.low == RUNNING[0] < barred.high
-    assert speed_text(RULE.bounds(30.0)[0]) in barred.ends
+    assert written(at_speed(RULE.bounds(30.0)[0])) in barred.ends
 
 
 def test_rule_is_held_above_the_running_range_as_far_as_it_goes():

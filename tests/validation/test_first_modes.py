@@ -52,12 +52,11 @@ def test_summary_names_the_lowest_mode_and_that_of_the_crankshaft(run):
         vibration=run,
         inputs=[],
         input_warnings=[],
-        warned_fields=[],
-        checks=[],
         throw=throw,
         strength=None,
         throws=None,
         fatigue=None,
+        findings=(),
     )
     (found,) = [one for one in summary(results)["frequencies"] if "torsional" in one["label"]]
     lowest, own = run.torsional.chosen.elastic_frequencies[:2]
