@@ -1,14 +1,13 @@
 """The 10-node tetrahedron: shape functions, tabulated once for all who integrate over elements, and facets.
 
-The functions are scikit-fem's, written out, as are the rules of quadrature that every analysis needs: it
-takes longer to load than a mesh to make.
+The functions are scikit-fem's, written out; its rules of quadrature are loaded when they are needed, while a
+mesh is made, because it takes longer to load than a mesh to make.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import MeshError
-from geometry.quadrature_rules import RULES
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -60,8 +59,6 @@ def shapes_for_quadrature(order: int) -> tuple[Array, Array, Array]:
 
 def quadrature(dimension: int, order: int) -> tuple[Array, Array]:
     """Points (d, q) and weights (q,) of scikit-fem's rule of an order, on the triangle or tetrahedron."""
-    if (dimension, order) in RULES:
-        return RULES[dimension, order]
     from skfem import MeshTet1, MeshTri1
     from skfem.quadrature import get_quadrature
 

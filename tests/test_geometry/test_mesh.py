@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from skfem import ElementTetP2, MeshTet1, MeshTri1
+from skfem import ElementTetP2
 from skfem.quadrature import get_quadrature
 
 import geometry.mesh
@@ -18,7 +18,6 @@ from comparing import close, same_mesh
 from crankbase.errors import InputError, MeshError
 from geometry.mesh import MESHING_STRATEGIES, check_quality, check_volume, mesh_throw
 from geometry.mesher import mesh_isolated
-from geometry.quadrature_rules import RULES
 from geometry.shapes import (
     EDGES,
     corner_quality,
@@ -414,11 +413,3 @@ def test_an_open_gmsh_session_gets_nothing_left_behind(map_throw, graded, made):
         assert gmsh.model.getCurrent() == "of somebody else"
     finally:
         gmsh.finalize()
-
-
-@pytest.mark.parametrize("rule", RULES)
-def test_the_written_rules_of_quadrature_are_scikit_fems_to_the_last_bit(rule):
-    dimension, order = rule
-    refdom = {2: MeshTri1, 3: MeshTet1}[dimension].elem.refdom
-    for written, loaded in zip(RULES[rule], get_quadrature(refdom, order), strict=True):
-        assert np.array_equal(written, loaded)
