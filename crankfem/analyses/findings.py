@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from crankbase.quantity import format_usage, percent
-from crankbase.results import Result, result
+from crankbase.results import Quantity, Result, result
 from crankbase.sentences import amount, apart, finished, joined, kept, sentence
 from crankbase.table import SI, Main, OutputUnits
 from crankfem.analyses.assumptions import input_values
@@ -167,7 +167,7 @@ class Finding(Result):
 
     about: str
     section: str
-    weight: int
+    weight: Annotated[int, Quantity("1")]
     long: tuple[str, ...]
     short: tuple[str, ...] = ()
     rests_on: tuple[str, ...] = ()

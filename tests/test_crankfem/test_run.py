@@ -363,7 +363,15 @@ def test_vibration_without_the_study(coupled_vibration, call, monkeypatch):
     assert set(content) == {
         *("axial", "torsional", "forced", "assumed", "assessment", "whole", "bearings", "files"),
         *("load", "misfiring", "misfiring_note", "axial_force", "units", "not_comparable"),
-        *("firing", "firing_remarks", "firing_warnings", "running_rpm", "not_used", "said"),
+        *(
+            "firing",
+            "firing_remarks",
+            "firing_warnings",
+            "running_rpm",
+            "not_used",
+            "said",
+            "findings",
+        ),
     }
     assert content["torsional"]["modes"][0]["rigid"] is True
     assert content["torsional"]["modes"][0]["frequency"] == close(0.0, abs=1e-2)

@@ -149,10 +149,12 @@ def vibration(
     if out.json:
         from crankfem.analyses.record import with_units
 
+        concluded = vibration_findings(run, read)
         record = with_units(run) | {
-            "findings": [finding.to_record() for finding in vibration_findings(run, read)],
+            "findings": [finding.to_record() for finding in concluded],
             "files": [str(path) for path in written],
         }
+        record["units"] |= result_units(concluded, "findings.")
         if speed_up is not None:
             record["run_up"] = speed_up.to_record()
             record["units"] |= result_units(speed_up, "run_up.")
