@@ -530,8 +530,7 @@ def test_the_file_chooses_failing_cylinders(coarse, run, tmp_path):
 @pytest.mark.further
 def test_vibration_command(call, monkeypatch, tmp_path):
     monkeypatch.setattr(
-        "crankfem.analyses.shaft.throw_analyses.analyze_throw",
-        lambda throw, material: analyze_throw(throw, material, 0.1),
+        "fem.analysis.analyze_throw", lambda throw, material: analyze_throw(throw, material, 0.1)
     )
     files = ("--csv", tmp_path / "csv", "--pictures", tmp_path / "p")
     call("vibration", "8chn13-14", *files)
