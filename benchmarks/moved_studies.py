@@ -138,12 +138,15 @@ def main() -> None:
 
 
 def draw(path: Path, curves: dict[str, list[tuple[float, float]]]) -> None:
-    """Draw the errors over the seconds, a line for each way."""
+    """Draw the errors over the seconds, a color for each way, dashed with slopes."""
     with figure(path) as axes:
         for number, (name, points) in enumerate(curves.items()):
             seconds, errors = zip(*sorted(points), strict=True)
-            style = order_line_style(number)
-            axes.plot(seconds, errors, marker="o", color=style.color, label=name)
+            color, line = (
+                order_line_style(number % len(WAYS)).color,
+                "--" if number >= len(WAYS) else "-",
+            )
+            axes.plot(seconds, errors, line, marker="o", color=color, label=name)
         axes.set_xscale("log")
         axes.set_yscale("log")
         axes.set_xlabel("processor time of the runs [s]")
