@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
+from crankbase.array_checks import Array
 from crankbase.choices import check_choice, check_kind
 from crankbase.errors import InputError
 from crankbase.frames import Axes
@@ -840,8 +841,6 @@ def check_solving_memory(
         "ask for a larger accuracy, or free memory",
     )
 
-
-Array = NDArray[np.float64]
 
 # Squared energy error of second-order elements falls with the fourth power of their size where the
 # stress is smooth, with the first or second at a sharp corner. This power in between makes as good

@@ -46,6 +46,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.quantity import format_quantity
@@ -185,9 +186,6 @@ def nominal_stress(parts: ThrowParts, fillet: Fillet, load: UnitLoad) -> float:
     return _simply_supported(parts, 0.5 * (web.start + web.end), load) / modulus
 
 
-Array = NDArray[np.float64]
-
-Integers = NDArray[np.int64]
 Site = Fillet | DrillingExit
 FilletMesh = Literal["adaptive", "m53"]
 FILLET_MESHES = ("adaptive", "m53")

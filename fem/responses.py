@@ -13,8 +13,8 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from crankbase.errors import MeshError
 from fem.analysis import Problem, RefinementLevel, solve_level, solve_to_accuracy
 from fem.angle_law import effective_angle_law
@@ -32,8 +32,6 @@ from geometry.boundary_motion import STEP
 from geometry.mass import mass_properties
 from geometry.mesher import Mesher, mesh_isolated
 from geometry.throw import CrankThrow
-
-Array = NDArray[np.float64]
 
 # Columns of loads: the axial force, the radial and the tangential one.
 AXIAL, RADIAL, TANGENTIAL = 0, 2, 3

@@ -19,9 +19,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from crankbase.array_checks import Array
 from crankbase.choices import check_choice
 from crankbase.diagrams import draw_rows, new_axes, write_title
 from crankbase.errors import InputError
@@ -67,7 +67,6 @@ from geometry.throw import CrankThrow
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
 
 # Stiffness that holds corners on the moving surface, in largest entries of the matrix.
 HELD = 1e6

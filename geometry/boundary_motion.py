@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from crankbase.errors import InputError, MeshError
 from geometry.mesh import ThrowMesh, six_node_triangles
 from geometry.parts import Arc, Cylinder, Point, Sector, ThrowParts, WebPlate
@@ -25,8 +26,6 @@ from geometry.solid import OIL_HOLE, part_end
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record, values_by_path
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 Level = Callable[[Array], Array]
 

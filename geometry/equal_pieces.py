@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from crankbase.array_checks import Array
 from geometry.faces import Face, measured_face
 from geometry.gmsh_session import curvature_radius
 
-Array = NDArray[np.float64]
 # Surfaces are the same to this share of the throw's length, and of its square; volumes to their own one.
 SAME, SAME_VOLUME = 1e-4, 1e-5
 # How a throw becomes another one: the signs of x and z in its frame. Turning end for end changes both.

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from geometry.gmsh_session import curvature_radius, middle_point
 from geometry.solid import Zone
 
-Array = NDArray[np.float64]
 DIRECTION_TOLERANCE = 1e-5
 # Surfaces that are what their type says; all others are fitted, since CAD programs sweep cylinders, too.
 PLAIN_KINDS = ("Plane", "Cylinder", "Cone", "Sphere", "Torus")

@@ -159,6 +159,23 @@ def gmsh_errors(what: str) -> Iterator[None]:
         raise MeshError(f"gmsh could not {what}: {error}") from error
 
 
+def read_shapes(gmsh: Any, path: str) -> list[tuple[int, int]]:
+    """Read a CAD file into the model; return dimension and tag of its shapes of highest dimension.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    try:
+        shapes: list[tuple[int, int]] = gmsh.model.occ.importShapes(path, highestDimOnly=True)
+    except Exception as error:
+        if type(error) is not Exception:  # which gmsh raises; others are not the file's fault
+            raise
+        raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
+    return shapes
+
+
 def forget_array_types() -> None:
     """Delete the types that ctypes creates for arrays of numbers, one for each length, and keeps.
 

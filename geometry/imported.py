@@ -18,7 +18,13 @@ from crankbase.errors import InputError, MeshError
 from crankbase.input_file import not_a_file
 from crankbase.sentences import with_sentences
 from crankbase.summaries import frozen
-from geometry.gmsh_session import IsolatedProcess, gmsh_errors, gmsh_session, shared_process
+from geometry.gmsh_session import (
+    IsolatedProcess,
+    gmsh_errors,
+    gmsh_session,
+    read_shapes,
+    shared_process,
+)
 from geometry.mesh import (
     MeshingStrategy,
     OnRemark,
@@ -425,13 +431,7 @@ def opened_part(path: str) -> Iterator[tuple[Any, int]]:
         try:
             option.setString(UNIT_OPTION, "MM")
             option.setNumber(SCALE_OPTION, 1e-3)
-            made = gmsh.model.occ.importShapes(path, highestDimOnly=True)
-        except Exception as error:
-            if (
-                type(error) is not Exception
-            ):  # which gmsh raises; any other kind is not the file's fault
-                raise
-            raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
+            made = read_shapes(gmsh, path)
         finally:
             option.setString(UNIT_OPTION, before[0])
             option.setNumber(SCALE_OPTION, before[1])

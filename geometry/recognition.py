@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.sentences import amount
@@ -25,8 +24,6 @@ from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
 from geometry.sizes import ROOT_PER_FILLET, SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
 from geometry.step_file import PLANE, StepFace
-
-Array = NDArray[np.float64]
 
 
 def same_surface(face: Face, wanted: StepFace, tolerance: float) -> bool:

@@ -11,15 +11,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from crankbase.array_checks import Array
 from crankbase.errors import InputError, MeshError
 from crankbase.processes import scratch_folder
 from crankbase.quantity import format_quantity
 from geometry.equal_pieces import EQUAL, Signature, signature
 from geometry.faces import PLAIN_KINDS, Face, Round, measured_face, meetings, rounds_along
-from geometry.gmsh_session import gmsh_errors, gmsh_session
+from geometry.gmsh_session import gmsh_errors, gmsh_session, read_shapes
 from geometry.mesh import OnRemark, SolidProperties, properties_of
 from geometry.shaft_shape import PLACE, Line, frame_along, journals_of, usual_cuts
 from geometry.solid import remove_loose
@@ -31,7 +31,6 @@ from geometry.solids_in_file import (
     measured_solid,
 )
 
-Array = NDArray[np.float64]
 # Volumes of the pieces make up the whole to this share; of spline faces the kernel's own are less exact.
 KEPT, KEPT_OF_SPLINES = 1e-4, 0.01
 # A disk that cuts a journal is so much larger.
@@ -148,10 +147,7 @@ def cut_shaft(
     with gmsh_session("crankshaft") as gmsh, scratch_folder() as folder:
         tell("Reading the file")
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-        try:
-            made = gmsh.model.occ.importShapes(path, highestDimOnly=True)
-        except Exception as error:
-            raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
+        made = read_shapes(gmsh, path)
         gmsh.model.occ.synchronize()
         tags = [tag for dimension, tag in made if dimension == 3]
         tell("Looking for the crankshaft")

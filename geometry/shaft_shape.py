@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from crankbase.array_checks import Array
 from geometry.faces import Face, Round, rounds_along
 
-Array = NDArray[np.float64]
 # Places are told apart to this share of the solid's size, directions of axes to this sine.
 PLACE, DIRECTION = 1e-4, 1e-3
 # Of cylinders beside the axis, those thinner than this share of the thickest are bolts and the like.

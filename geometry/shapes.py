@@ -7,10 +7,8 @@ mesh is made, because it takes longer to load than a mesh to make.
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.array_checks import Array, Integers
 from crankbase.errors import MeshError
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # The two end nodes of each edge node 4..9, in scikit-fem's order, and of a triangle's 3..5.
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from typer.testing import CliRunner
 
 import crankfem as cf
 from crankbase.errors import MissingLibraryError
@@ -120,3 +121,16 @@ def stored_results():
 def typed(content):
     """Return the results that a file of this content holds."""
     return RunResults.from_json(json.dumps(content))
+
+
+def caller_of(app):
+    """A function that calls a Typer app as a command line does, and returns what it prints."""
+
+    def call(*arguments):
+        answer = CliRunner().invoke(app, [str(argument) for argument in arguments])
+        if answer.exception is not None and not isinstance(answer.exception, SystemExit):
+            raise answer.exception
+        assert answer.exit_code == 0, answer.output
+        return answer.stdout
+
+    return call

@@ -2,40 +2,47 @@
 
 import shlex
 
-import numpy as np  # noqa: F401
+import numpy as np
 import pytest
 
 import crankfem as cf
 from crankbase.errors import InputError
-from crankfem.analyses.engine_mechanism import (
-    load_any,  # noqa: F401
-    pressures_at,  # noqa: F401 - of calls
-)
-from crankfem.analyses.file_check import check_file, refuse_what_cannot_run  # noqa: F401
-from crankfem.analyses.mechanism.mechanism_run import run_mechanism  # noqa: F401
-from crankfem.analyses.vibration.engine_load import engine_load  # noqa: F401
-from crankfem.analyses.vibration.run import engine_vibration  # noqa: F401
-from crankfem.files.chain.chain_file import load_chain, write_chain_text  # noqa: F401
-from crankfem.files.engine.engine_file import load_mechanism  # noqa: F401
+from crankfem.analyses.engine_mechanism import load_any, pressures_at
+from crankfem.analyses.file_check import check_file, refuse_what_cannot_run
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.vibration.engine_load import engine_load
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.chain.chain_file import load_chain, write_chain_text
+from crankfem.files.engine.engine_file import load_mechanism
 from crankfem.files.engine.file_kinds import SECTIONS
 from crankfem.files.engine.throw_file import load_study
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import read_toml
-from crankfem.files.sections.mechanism_sections import Piston  # noqa: F401
-from fem.material import STEEL, Material  # noqa: F401
+from crankfem.files.sections.mechanism_sections import Piston
+from fem.material import STEEL, Material
 from fitted_models import made_model
-from geometry.mesher import mesh_isolated  # noqa: F401
-from geometry.throw import CrankThrow  # noqa: F401
-from geometry.throw_dimensions import Counterweight  # noqa: F401
-from regression.formulas.axial_formulas import axial_formulas  # noqa: F401
-from regression.law.throw_law import torsional_law  # noqa: F401
+from geometry.mesher import mesh_isolated
+from geometry.throw import CrankThrow
+from geometry.throw_dimensions import Counterweight
+from regression.formulas.axial_formulas import axial_formulas
+from regression.law.throw_law import torsional_law
 from snapshots import refusals
 from snapshots.refusals import CALLS, CHAINS, COMMANDS, ENGINES, FILES, STUDIES, TEXTS, WARNED
 from test_crankfem.conftest import edited
 from throws import MEDIUM_SPEED_TOML
 
+# What calls name besides public names, sections and what stands beside them.
+NAMED = {
+    called.__name__: called
+    for called in (
+        *(load_any, pressures_at, check_file, refuse_what_cannot_run, run_mechanism, engine_load),
+        *(engine_vibration, load_chain, write_chain_text, load_mechanism, Piston, Material),
+        *(mesh_isolated, CrankThrow, Counterweight, axial_formulas, torsional_law, input_path),
+    )
+} | {"np": np, "cf": cf, "STEEL": STEEL}
 
-def refused(call, what=""):
+
+def refused(call):
     """The sentences of a refusal, each a line that ends."""
     with pytest.raises(InputError) as raised:
         call()
@@ -125,7 +132,7 @@ def test_command_lines_are_refused(compare, call, tmp_path):
 @pytest.mark.slow
 def test_calls_are_refused(compare, public):
     names = {name.rpartition(".")[2]: one for name, one in public.items()}
-    names |= vars(refusals) | globals() | {"six": cf.load_engine("6chn25-34")}
+    names |= vars(refusals) | NAMED | {"six": cf.load_engine("6chn25-34")}
     names |= {section.model.__name__: section.model for section in SECTIONS.values()}
     compare(
         "refused-calls",

@@ -6,7 +6,6 @@ import sys
 import numpy as np
 import pytest
 import typer
-from typer.testing import CliRunner
 
 from comparing import close
 from crankbase.errors import InputError
@@ -35,6 +34,7 @@ from regression.law.throw_law import axial_law, torsional_law
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.response_kinds import GUIDED_MOMENTS
+from stand_ins import caller_of
 from throws import MEDIUM_SPEED
 
 ENGINE = "6chn25-34"
@@ -88,15 +88,7 @@ def run():
     app = typer.Typer()
     app.command()(lookup)
     app.callback()(lambda: None)
-
-    def call(*arguments):
-        found = CliRunner().invoke(app, [str(argument) for argument in arguments])
-        if found.exception is not None and not isinstance(found.exception, SystemExit):
-            raise found.exception
-        assert found.exit_code == 0, found.output
-        return found.stdout
-
-    return call
+    return caller_of(app)
 
 
 # ------------------------------------------------------------------------------------------ lookup

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
-from typer.testing import CliRunner
 
 from comparing import close
 from crankbase.errors import InputError
@@ -21,6 +20,7 @@ from dynamics.chains.engine_chains import axial_chain
 from fitted_models import made_model
 from regression import optimum as optimum_module
 from regression.models.compliance_model import ComplianceModel
+from stand_ins import caller_of
 
 ENGINE = "6chn25-34"
 
@@ -35,15 +35,7 @@ def path(tmp_path):
 def run():
     app = typer.Typer()
     app.command()(optimum)
-
-    def call(*arguments):
-        answer = CliRunner().invoke(app, [str(argument) for argument in arguments])
-        if answer.exception is not None and not isinstance(answer.exception, SystemExit):
-            raise answer.exception
-        assert answer.exit_code == 0, answer.output
-        return answer.stdout
-
-    return call
+    return caller_of(app)
 
 
 @pytest.mark.slow
