@@ -1,7 +1,7 @@
 """The satellites: parts that stand apart, each in a folder of its own, and the one place that names them.
 
-A satellite's module `plug` has a `PLUG`, which imports nothing but this module: what it names by place,
-"module:name" within `crankfem.satellites`, is loaded when it is asked for.
+A satellite's module `plug` has `PLUGS`, one for each of its commands, and imports nothing but this module: what
+it names by place, "module:name" within `crankfem.satellites`, is loaded when it is asked for.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-SATELLITES = ("hinge", "cad", "class_document", "service", "optimum")
+SATELLITES = ("hinge", "cad", "class_document", "service", "optimum", "measured")
 
 
 def at_place(place: str, package: str = "crankfem.satellites") -> Any:
@@ -68,7 +68,7 @@ class UseOfEngines:
 
 @dataclass(frozen=True)
 class Plug:
-    """What the core knows of a satellite.
+    """What the core knows of a satellite, or of one of its commands.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ def called(place: str) -> str:
 @cache
 def plugs() -> tuple[Plug, ...]:
     """Return the plugs of all satellites."""
-    return tuple(at_place(f".{name}.plug:PLUG") for name in SATELLITES)
+    return tuple(plug for name in SATELLITES for plug in at_place(f".{name}.plug:PLUGS"))
 
 
 @cache

@@ -2,8 +2,13 @@
 
 from crankfem.files.satellites import Plug
 
-PLUG = Plug(
-    command=".cad.command:cad",
-    after="throw",
-    examples=("cad crank.step", 'cad crank.step --free-end high --cut "1=-5 mm" --throws parts'),
+PLUGS = (
+    Plug(
+        command=".cad.command:cad",
+        after="throw",
+        examples=(
+            "cad crank.step",
+            'cad crank.step --free-end high --cut "1=-5 mm" --throws parts',
+        ),
+    ),
 )

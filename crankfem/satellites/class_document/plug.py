@@ -2,11 +2,13 @@
 
 from crankfem.files.satellites import Plug, UseOfEngines
 
-PLUG = Plug(
-    command=".class_document.command:class_",
-    after="vibration",
-    examples=("class 5rt-flex50d --output submission",),
-    engines=UseOfEngines(
-        needs=frozenset({"gas", "gas_map"}), used=".class_document.uses:used_sections"
+PLUGS = (
+    Plug(
+        command=".class_document.command:class_",
+        after="vibration",
+        examples=("class 5rt-flex50d --output submission",),
+        engines=UseOfEngines(
+            needs=frozenset({"gas", "gas_map"}), used=".class_document.uses:used_sections"
+        ),
     ),
 )

@@ -2,8 +2,10 @@
 
 from crankfem.files.satellites import Plug
 
-PLUG = Plug(
-    command=".service.command:serve",
-    after="report",
-    examples=("serve", "serve --models models --port 8000"),
+PLUGS = (
+    Plug(
+        command=".service.command:serve",
+        after="report",
+        examples=("serve", "serve --models models --port 8000"),
+    ),
 )

@@ -1,0 +1,121 @@
+"""Measured orders over the speed, which all records end in and all comparisons begin with."""
+
+from typing import Literal, get_args
+
+import numpy as np
+
+from crankbase.array_checks import Array, ComplexArray, Flags, check_shape, read_only
+from crankbase.choices import check_choice
+from crankbase.errors import InputError
+from crankbase.frames import DataFrame, table
+from crankbase.results import result
+from dynamics.response.order_excitation import checked_orders
+
+Measurand = Literal["angle", "torque", "axial", "pressure"]
+UNITS: dict[Measurand, str] = {"angle": "rad", "torque": "N m", "axial": "m", "pressure": "Pa"}
+
+
+@result("orders", "speed [rad/s]", "place", "quantity", "method")
+class MeasuredOrders:
+    """Complex amplitudes of orders at several speeds, in the convention of the calculated responses.
+
+    At the rigid angle phi, that of the mean rotation alone, the signal is Re sum_k X_k exp(i k phi). It is
+    positive where the calculated one is: an angle in the direction of rotation, an axial motion towards the
+    drive, and the torque in an element where it drives its first node forwards, as `ElementLoads.elastic`.
+    Angles hold the part of the rigid body, as `ForcedResponse.nodes` does. The angle phi is zero where the
+    engine file's shaft angle is; where `zero_known` is false it counts from the mark of the wheel, and the
+    calculated amplitudes are X_k exp(i k a) with one unknown angle a.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (k,)
+        Ascending, in cycles per crankshaft revolution.
+    speed : ndarray of shape (m,)
+        Mean speed of each window, in the order of time; speeds may repeat [rad/s].
+    amplitude : ndarray of shape (m, k), complex
+        [rad, N m, m or Pa, by the quantity].
+    scatter : ndarray of shape (m, k)
+        Standard deviation of the error of the real part, and of the imaginary part.
+    place : str
+        Mass of the chain, or element for a torque, where it was measured; empty if not known.
+    quantity : {"angle", "torque", "axial", "pressure"}
+        What was measured.
+    correlation : ndarray of shape (m, m)
+        Of the errors at two speeds, the same for every order: what windows share counts once.
+    ramp : ndarray of shape (m,)
+        Change of the speed with time [rad/s^2].
+    wheel_constant : ndarray of shape (k,), bool
+        Orders that hold one unknown complex constant besides, the same at all speeds: the pitch errors of
+        the wheel and its eccentricity.
+    cycle : {1, 2}
+        Revolutions per working cycle.
+    zero_known : bool
+        Whether the angle counts from that of the engine file.
+    method : str
+        How the orders were found.
+    notes : tuple of str
+        What was mended, and what the record cannot tell; one sentence each.
+
+    Raises
+    ------
+    InputError
+        If shapes do not agree, or values are out of range.
+    """
+
+    orders: Array
+    speed: Array
+    amplitude: ComplexArray
+    scatter: Array
+    place: str
+    quantity: Measurand
+    correlation: Array
+    ramp: Array
+    wheel_constant: Flags
+    cycle: int
+    zero_known: bool
+    method: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_choice("quantity", self.quantity, get_args(Measurand), "these can be calculated too")
+        orders = checked_orders(self.orders)
+        speed = np.asarray(self.speed, dtype=float)
+        count, known = speed.size, orders.size
+        if speed.ndim != 1 or not count or not np.all(np.isfinite(speed) & (speed > 0.0)):
+            raise InputError("speed: allowed are finite speeds above zero, one for each window.")
+        check_shape("amplitude", np.abs(self.amplitude), (count, known))
+        check_shape("scatter", self.scatter, (count, known))
+        check_shape("correlation", self.correlation, (count, count))
+        check_shape("ramp", self.ramp, (count,))
+        if np.shape(self.wheel_constant) != (known,):
+            raise InputError("wheel_constant: allowed is one flag for each order.")
+        if self.cycle not in (1, 2):
+            raise InputError(f"cycle: given {self.cycle}; allowed are 1 and 2 revolutions.")
+        for name, values in (
+            ("orders", orders),
+            ("speed", speed),
+            ("amplitude", np.asarray(self.amplitude, dtype=complex)),
+            ("scatter", np.asarray(self.scatter, dtype=float)),
+            ("correlation", np.asarray(self.correlation, dtype=float)),
+            ("ramp", np.asarray(self.ramp, dtype=float)),
+            ("wheel_constant", np.asarray(self.wheel_constant, dtype=bool)),
+        ):
+            object.__setattr__(self, name, read_only(values.copy()))
+
+    @property
+    def unit(self) -> str:
+        """Unit of the amplitudes."""
+        return UNITS[self.quantity]
+
+    def to_pandas(self) -> DataFrame:
+        """Return a row for each speed and order; units are in ``frame.attrs["units"]``."""
+        windows, orders = self.amplitude.shape
+        return table(
+            {
+                "speed": ("rad/s", np.repeat(self.speed, orders)),
+                "order": ("1", np.tile(self.orders, windows)),
+                "amplitude": (self.unit, np.abs(self.amplitude).ravel()),
+                "phase": ("rad", np.angle(self.amplitude).ravel()),
+                "scatter": (self.unit, self.scatter.ravel()),
+            }
+        )

@@ -1,0 +1,30 @@
+"""What the core's tests of every command, file and result do with measured vibration."""
+
+import numpy as np
+
+from crankfem.satellites.measured.measured_orders import MeasuredOrders
+
+
+def two_speeds():
+    return MeasuredOrders(
+        orders=[0.5, 3.0],
+        speed=[100.0, 120.0],
+        amplitude=np.array([[1e-3, 2e-3j], [3e-3, 1e-3]]),
+        scatter=np.full((2, 2), 1e-5),
+        place="damper",
+        quantity="angle",
+        correlation=np.eye(2),
+        ramp=[0.0, 0.0],
+        wheel_constant=[False, True],
+        cycle=2,
+        zero_known=True,
+    )
+
+
+# The object, and some columns of its table with their unit and part of the object.
+TABLES = {
+    "MeasuredOrders": (
+        two_speeds,
+        {"amplitude": ("rad", lambda o: np.abs(o.amplitude).ravel())},
+    )
+}
