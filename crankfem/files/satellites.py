@@ -1,7 +1,7 @@
 """The satellites: parts that stand apart, each in a folder of its own, and the one place that names them.
 
-A satellite's module `plug` has `PLUGS`, one for each of its commands, and imports nothing but this module: what
-it names by place, "module:name" within `crankfem.satellites`, is loaded when it is asked for.
+A satellite's module `plug` has `PLUGS`, one for each of its commands, and imports nothing but this module:
+what it names by place, "module:name" within `crankfem.satellites`, is loaded when it is asked for.
 """
 
 from dataclasses import dataclass
