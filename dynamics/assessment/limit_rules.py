@@ -11,7 +11,12 @@ from crankbase.array_checks import Array, positive_number
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.sentences import amount
-from dynamics.assessment.limits import LimitCurve, VibrationLimit, checked_rated_speed
+from dynamics.assessment.limits import (
+    LimitCurve,
+    VibrationLimit,
+    checked_rated_speed,
+    constant_curve,
+)
 
 M68_SOURCE = (
     "IACS unified requirement M68 (Rev.3, February 2021), as carried into the Korean Register's "
@@ -107,11 +112,6 @@ def propulsion_shaft_limit(
     factor, may_be_alloy = SHAFT_FEATURES[feature]
     counted = min(strength, ALLOY_STRENGTH if alloy and may_be_alloy else CARBON_STRENGTH)
     base = (counted / 1e6 + 160.0) / 18.0 * factor * (0.35 + 0.93 * (size / 1e-3) ** -0.2) * 1e6
-
-    def continuous(speeds: Array) -> Array:
-        ratio = speeds / rated
-        return np.asarray(base * np.where(ratio < 0.9, 3.0 - 2.0 * ratio**2, 1.38))
-
     remarks = []
     if counted < strength:
         remarks.append(
@@ -124,13 +124,18 @@ def propulsion_shaft_limit(
         applies_to=applies_to
         or f"shaft with {feature}".replace("shaft with propeller", "propeller"),
         unit="Pa",
-        continuous=LimitCurve(continuous, 0.0, 1.05 * rated),
+        continuous=LimitCurve(partial(_of_propulsion, rated, base), 0.0, 1.05 * rated),
         passing=LimitCurve(
-            lambda speeds: 1.7 / math.sqrt(factor) * continuous(speeds), 0.0, 0.8 * rated
+            partial(_of_propulsion, rated, 1.7 / math.sqrt(factor) * base), 0.0, 0.8 * rated
         ),
         source=f"{M68_SOURCE}, c_K = {factor:g}",
         remark="; ".join(remarks),
     )
+
+
+def _of_propulsion(rated: float, base: float, speeds: Array) -> Array:
+    ratio = speeds / rated
+    return np.asarray(base * np.where(ratio < 0.9, 3.0 - 2.0 * ratio**2, 1.38))
 
 
 class Steel(TypedDict, total=False):
@@ -190,25 +195,23 @@ def crankshaft_limit(
     rated = checked_rated_speed(rated_speed)
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
     kept, passed = crankshaft_material_factors(**steel)
-    slope, at_rated = (24.0, 21.0) if even else (29.0, 16.0)
-
-    def plain(ratio: Array) -> Array:
-        return (45.0 - slope * ratio**2) * 1e6
-
-    def continuous(speeds: Array) -> Array:
-        ratio = speeds / rated
-        above = at_rated + 237.0 * (ratio - 0.8) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
-        return kept * np.where(ratio <= 1.0, plain(ratio), above * 1e6)
-
+    permitted = partial(_of_crankshaft, rated, even)
     return VibrationLimit(
         quantity="torsional stress",
         applies_to="crankshaft",
         unit="Pa",
-        continuous=LimitCurve(continuous, 0.0, 1.15 * rated),
-        passing=LimitCurve(lambda speeds: passed * 2.0 * plain(speeds / rated), 0.0, 0.8 * rated),
+        continuous=LimitCurve(partial(permitted, kept), 0.0, 1.15 * rated),
+        passing=LimitCurve(partial(permitted, 2.0 * passed), 0.0, 0.8 * rated),
         source=CRANKSHAFT_SOURCE,
         remark="; ".join(filter(None, (_counted(**steel), _raised(passed)))),
     )
+
+
+def _of_crankshaft(rated: float, even: bool, factor: float, speeds: Array) -> Array:
+    slope, at_rated = (24.0, 21.0) if even else (29.0, 16.0)
+    ratio = speeds / rated
+    above = at_rated + 237.0 * (ratio - 0.8) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
+    return factor * np.where(ratio <= 1.0, 45.0 - slope * ratio**2, above) * 1e6
 
 
 def generator_set_limit(
@@ -249,19 +252,21 @@ def generator_set_limit(
     kept, passed = crankshaft_material_factors(**steel)
     running, quick = (31e6, 118e6) if part == "generator shaft" else (21e6 if even else 16e6, 90e6)
     slowest = LEAST_SET_SPEED * rated
-
-    def permitted(speeds: Array) -> Array:
-        return np.where(speeds < slowest, passed * quick, kept * running)
-
     return VibrationLimit(
         quantity="torsional stress",
         applies_to=part,
         unit="Pa",
-        continuous=LimitCurve(permitted, 0.0, 1.1 * rated),
-        passing=LimitCurve(lambda speeds: np.full(speeds.shape, passed * quick), 0.0, slowest),
+        continuous=LimitCurve(
+            partial(_of_set, slowest, passed * quick, kept * running), 0.0, 1.1 * rated
+        ),
+        passing=constant_curve(passed * quick, 0.0, slowest),
         source=GENERATOR_SOURCE,
         remark="; ".join(filter(None, (_counted(**steel), _raised(passed), GENERATOR_READING))),
     )
+
+
+def _of_set(slowest: float, below: float, running: float, speeds: Array) -> Array:
+    return np.where(speeds < slowest, below, running)
 
 
 def _has_limits_of_engines_in_line(strokes: int, kind: str, interval: float | None) -> bool:

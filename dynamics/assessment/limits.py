@@ -1,7 +1,7 @@
 """Permitted vibration over the speed: limits with their source, given or from rules."""
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Annotated
 
 import numpy as np
@@ -127,12 +127,13 @@ class VibrationLimit(Result):
         if self.passing is None or not self.misfiring_basis:
             return self.continuous
         kept, passed = self.continuous, self.passing
+        low, high = min(kept.low, passed.low), max(kept.high, passed.high)
+        return LimitCurve(partial(_first_stated, passed, kept), low, high)
 
-        def values(speeds: Array) -> Array:
-            quick = passed.at(speeds)
-            return np.where(np.isfinite(quick), quick, kept.at(speeds))
 
-        return LimitCurve(values, min(kept.low, passed.low), max(kept.high, passed.high))
+def _first_stated(first: LimitCurve, other: LimitCurve, speeds: Array) -> Array:
+    values = first.at(speeds)
+    return np.where(np.isfinite(values), values, other.at(speeds))
 
 
 def given_limit(
@@ -190,7 +191,11 @@ def given_limit(
 
 def constant_curve(value: float, low: float = 0.0, high: float = np.inf) -> LimitCurve:
     """Return a curve of one value between two speeds [rad/s]."""
-    return LimitCurve(lambda speeds: np.full(speeds.shape, value), low, high)
+    return LimitCurve(partial(_constant, value), low, high)
+
+
+def _constant(value: float, speeds: Array) -> Array:
+    return np.full(speeds.shape, value)
 
 
 @result("name", "speeds [rad/s]", "peak")

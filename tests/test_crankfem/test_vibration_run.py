@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -270,6 +271,11 @@ def test_records_pictures_and_columns(run, tmp_path):
     head, names, first = (tmp_path / "torsional.csv").read_text("utf-8").splitlines()[:3]
     assert head.startswith("# torsional vibration")
     assert len(names.split(",")) == len(first.split(",")) == 3 + 24 + 7
+
+
+def test_a_vibration_is_the_same_in_another_process(run):
+    returned = pickle.loads(pickle.dumps(run))
+    assert returned.to_record() == run.to_record()
 
 
 @pytest.mark.slow

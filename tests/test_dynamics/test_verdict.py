@@ -1,5 +1,6 @@
 """Limits, barred ranges and the verdict."""
 
+import pickle
 import re
 from dataclasses import replace
 
@@ -292,6 +293,8 @@ def test_a_limit_holds_at_its_end_however_that_is_calculated(per_minute, ratio, 
     assert np.isfinite(curve.at(ends)).all()
     assert np.isfinite(curve.at(np.nextafter(ends, np.inf))).all()
     assert np.isinf(curve.at(ends * (1.0 + 1e-9))).all()
+    sent = pickle.loads(pickle.dumps(curve))  # as to another process
+    assert np.array_equal(sent.at(ends), curve.at(ends))
 
 
 test_impossible_curves_are_refused = refusals_of(
