@@ -112,10 +112,10 @@ class MeasuredOrders:
         windows, orders = self.amplitude.shape
         return table(
             {
-                "speed": ("rad/s", np.repeat(self.speed, orders)),
-                "order": ("1", np.tile(self.orders, windows)),
-                "amplitude": (self.unit, np.abs(self.amplitude).ravel()),
-                "phase": ("rad", np.angle(self.amplitude).ravel()),
-                "scatter": (self.unit, self.scatter.ravel()),
+                "speed": (np.repeat(self.speed, orders), "rad/s"),
+                "order": (np.tile(self.orders, windows), "1"),
+                "amplitude": (np.abs(self.amplitude).ravel(), self.unit),
+                "phase": (np.angle(self.amplitude).ravel(), "rad"),
+                "scatter": (self.scatter.ravel(), self.unit),
             }
         )
