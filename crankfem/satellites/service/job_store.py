@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import errno
 import json
+import os
 import secrets
 import shutil
 import sqlite3
@@ -211,9 +212,11 @@ class JobStore:
     def files(self, name: str) -> list[str]:
         """Return the names of a job's files."""
         place = self.place(name)
+        # Of a folder that goes meanwhile, `os.walk` has no files; `rglob` fails.
+        paths = (Path(folder, file) for folder, _, files in os.walk(place) for file in files)
         return sorted(
             path.relative_to(place).as_posix()
-            for path in place.rglob("*")
+            for path in paths
             if path.is_file()
             and not path.is_symlink()
             and not any(part.startswith(".") for part in path.relative_to(place).parts)

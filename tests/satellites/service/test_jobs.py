@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import os
 import shutil
 import signal
 import subprocess
@@ -75,6 +76,24 @@ def test_the_queue_is_bounded_and_loses_nothing(own_service, throw):
     own_service.ask(f"/api/jobs/{first.id}", method="DELETE")
     assert own_service.ask(f"/api/jobs/{first.id}")[0] == 404
     assert not (own_service.folder / "service" / "jobs" / first.id).exists()
+
+
+def test_files_are_listed_while_their_folder_goes(tmp_path, monkeypatch):
+    store = JobStore(tmp_path)
+    name = store.add("engine", "mine", {}, 1)
+    for folder in ("first", "second"):
+        (store.place(name) / folder).mkdir()
+        (store.place(name) / folder / "told.json").write_text("{}")
+    scan = os.scandir
+
+    def goes(path):
+        if str(path).endswith("first"):
+            shutil.rmtree(path, ignore_errors=True)
+        return scan(path)
+
+    monkeypatch.setattr(os, "scandir", goes)
+    assert store.files(name) == ["second/told.json"]
+    store.close()
 
 
 @pytest.mark.further

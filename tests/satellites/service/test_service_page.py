@@ -209,6 +209,67 @@ def test_a_dropped_engine_file_is_checked_run_and_canceled(open_service, tmp_pat
     page.wait_for_selector('#job-list li:has-text("mine (engine"):has-text("canceled")')
 
 
+@pytest.fixture
+def followed(open_service):
+    """A page with one job, whose events and list are the test's."""
+    page = open_service()
+    job = {
+        "id": "a" * 16, "kind": "engine", "title": "mine", "created": 0.0, "state": "running",
+        "step": "Meshing", "finished": 0, "total": None, "files": [], "notes": [], "problem": None,
+    }  # fmt: skip
+    page.listed, page.canceled = [job], []
+    page.route("**/api/jobs", lambda route: route.fulfill(json={"jobs": page.listed}))
+    page.route(
+        "**/api/jobs/*/cancel", lambda route: (page.canceled.append(1), route.fulfill(json=job))
+    )
+    page.add_init_script(EVENTS)
+    page.reload()
+    page.wait_for_selector("#job-list button")
+    page.change = lambda **values: page.evaluate("job => tell(job)", job | values)
+    return page
+
+
+EVENTS = """window.EventSource = class extends EventTarget {
+    constructor() {
+        super();
+        window.tell = (job) => this.dispatchEvent(new MessageEvent("job", { data: JSON.stringify(job) }));
+    }
+    close() {}
+};"""
+
+
+def test_a_click_that_an_update_interrupts_cancels(followed):
+    followed.locator("#job-list button").hover()
+    followed.mouse.down()
+    followed.change(step="Solving", finished=1, total=2)
+    followed.change(step="Report", finished=2, total=2, files=["mine"], notes=["Told."])
+    followed.mouse.up()
+    assert "Report (2 of 2" in followed.locator("#job-list li").inner_text()
+    assert followed.locator("#job-list progress").get_attribute("value") == "2"
+    assert followed.canceled == [1]
+    assert followed.evaluate("document.activeElement.textContent") == "Cancel"
+    followed.change(state="canceled")
+    assert followed.evaluate("document.activeElement.id").startswith("job-")
+    assert followed.locator("#job-list button").all_inner_texts() == ["Remove"]
+
+
+def test_a_list_that_comes_late_changes_no_job_that_has_ended(followed):
+    followed.change(state="canceled")
+    with followed.expect_response("**/api/jobs"):
+        followed.evaluate("document.dispatchEvent(new Event('jobs-changed'))")
+    followed.wait_for_timeout(100)
+    assert followed.locator("#job-list li").inner_text().startswith("mine (engine")
+    assert "canceled" in followed.locator("#job-list li").inner_text()
+
+
+def test_a_refused_change_of_a_job_is_told(followed):
+    refused = {"status": 409, "detail": "The job has ended already."}
+    followed.unroute("**/api/jobs/*/cancel")
+    followed.route("**/api/jobs/*/cancel", lambda route: route.fulfill(status=409, json=refused))
+    followed.click("#job-list button")
+    followed.wait_for_selector('#job-list li:has-text("has ended already")')
+
+
 def test_a_dropped_engine_sets_the_sliders_and_shows_its_verdict(open_service, tmp_path):
     page = open_service()
     file = tmp_path / "mine.toml"

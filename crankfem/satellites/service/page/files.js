@@ -102,7 +102,7 @@ async function run(path, question) {
     const job = await askJson(path, question);
     const place = byId("checked");
     place.textContent = `${question.name} is queued: see Jobs below.`;
-    await listJobs();
+    show(job);
     await follow(job.id, (now) => (place.textContent = `${question.name}: ${words(now)}`));
     const done = await askJson(`/api/jobs/${job.id}`);
     if (done.files.includes(FIRST_SCREEN)) {
@@ -140,7 +140,8 @@ export function listJobs() {
   listing ??= askJson("/api/jobs")
     .then(({ jobs }) => {
       byId("no-jobs").hidden = jobs.length > 0;
-      jobs.slice(0, 20).reverse().forEach(show);
+      // What is followed is told by its events alone: a list on its way may be older than they are.
+      jobs.slice(0, 20).reverse().filter(({ id }) => !following.has(id)).forEach(show);
     })
     .catch(() => null)
     .finally(() => {
@@ -149,37 +150,53 @@ export function listJobs() {
   return listing;
 }
 
+const waits = (job) => ["queued", "running"].includes(job.state);
+
 function show(job) {
   let row = byId(`job-${job.id}`);
   if (!row) {
-    row = made("li", { id: `job-${job.id}` });
+    row = made("li", { id: `job-${job.id}`, tabIndex: -1 }, made("span", { className: "what" }));
     byId("job-list").prepend(row);
+    byId("no-jobs").hidden = true;
   }
-  const told = `${job.state} ${job.step} ${job.finished} ${job.files.length} ${job.notes.length}`;
+  const when = new Date(1000 * job.created).toLocaleTimeString();
+  row.querySelector(".what").textContent = `${job.title} (${job.kind}, ${when}): ${words(job)}`;
+  const told = waits(job) ? "waits" : `${job.state} ${job.files.length}`;
   if (row.dataset.told !== told) {
+    const focused = row.contains(document.activeElement);
+    [...row.children].slice(1).forEach((part) => part.remove());
+    row.append(...(waits(job) ? active(job, row) : results(job, row, when)));
     row.dataset.told = told;
-    row.replaceChildren(...parts(job, row));
+    if (focused) {
+      row.focus();
+    }
   }
-  if (["queued", "running"].includes(job.state) && !following.has(job.id)) {
+  // The bar and the button stay: a click ends where it began, and the focus is kept.
+  if (waits(job)) {
+    Object.assign(row.querySelector("progress"), { hidden: !job.total, max: job.total || 1, value: job.finished });
+  }
+  if (waits(job) && !following.has(job.id)) {
     following.add(job.id);
     follow(job.id, show).then(() => document.dispatchEvent(new Event("models-changed")));
   }
 }
 
-function parts(job, row) {
-  const when = new Date(1000 * job.created).toLocaleTimeString();
-  const found = [made("span", { className: "what", textContent: `${job.title} (${job.kind}, ${when}): ${words(job)}` })];
-  const change = (method, path) => async () => {
-    await ask(path, undefined, { method }).then((response) => response.json()).then(show, () => null);
-    listJobs();
-  };
-  if (["queued", "running"].includes(job.state)) {
-    if (job.total) {
-      found.push(made("progress", { max: job.total, value: job.finished, ariaLabel: `designs of ${job.title}` }));
-    }
-    found.push(button("Cancel", change("POST", `/api/jobs/${job.id}/cancel`)));
-    return found;
-  }
+/* A button that changes a job; a refusal is told in its row, and what the job becomes by its events. */
+function change(text, job, row, method, path, changed) {
+  return button(text, () =>
+    ask(`/api/jobs/${job.id}${path}`, undefined, { method }).then(changed, (error) => {
+      row.querySelector(".what").textContent += ` ${error.message}`;
+    })
+  );
+}
+
+function active(job, row) {
+  const bar = made("progress", { ariaLabel: `designs of ${job.title}` });
+  return [bar, change("Cancel", job, row, "POST", "/cancel")];
+}
+
+function results(job, row, when) {
+  const found = [];
   const files = { "results/report.html": "Report", "throw_drawing.svg": "Report", "result.json": "JSON", "model.json": "Model", "throw.step": "STEP" };
   for (const [file, name] of Object.entries(files)) {
     if (job.files.includes(file)) {
@@ -190,8 +207,7 @@ function parts(job, row) {
     found.push(button("Verdict", () => showVerdict(job)));
   }
   found.push(
-    button("Remove", async () => {
-      await ask(`/api/jobs/${job.id}`, undefined, { method: "DELETE" }).catch(() => null);
+    change("Remove", job, row, "DELETE", "", () => {
       row.remove();
       listJobs();
     })
