@@ -160,12 +160,14 @@ class Family:
 
     def check_related(self, query: Mapping[str, Given], size: Given = 1.0) -> None:
         """Refuse a dimension that violates its relation, if that can be calculated (`InputError`)."""
-        targets = query.keys() & self.relations.keys()
+        targets = [name for name in query if name in self.relations]
         if not targets:
             return
         others = {name: value for name, value in query.items() if name not in targets}
         expected = self._related(others, size)
-        for name in targets & expected.keys():
+        for name in targets:
+            if name not in expected:
+                continue
             reason = f"in this model {name} = {self.relations[name]}"
             self._check_equal(name, query[name], expected[name], reason)
 
