@@ -34,7 +34,7 @@ _THOUSANDS = {
     ",": re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d*", re.ASCII),
 }
 # A unit in brackets behind a heading or alone; it may end in brackets itself, as bar(a) does.
-_BRACKETS = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*(?:\([^\[\]()]*\))?)[\])]\s*$")
+BRACKETED = re.compile(r"^(.*?)\s*[\[(]([^\[\]()]*(?:\([^\[\]()]*\))?)[\])]\s*$")
 # What else stands in a row of units: none, and degrees of the crank.
 NO_UNIT = ("", "-", "--", "1")
 DEGREES = ("deg", "°", "°ca", "°kw", "degca", "deg ca", "ca", "kw", "grad", "degree", "degrees")
@@ -58,6 +58,10 @@ class ExportedTable:
         Number of each row's line, from 1.
     comments : tuple of str
         Without the sign before them.
+    places : tuple of int
+        Of the columns among those of the file, from 0.
+    separator : str or None
+        What stands between cells; None for spaces, and of a spreadsheet.
     decimal : str
         Mark before decimals, "." or ",".
     faults : tuple of str
@@ -71,6 +75,8 @@ class ExportedTable:
     cells: list[list[str]]
     lines: tuple[int, ...]
     comments: tuple[str, ...]
+    places: tuple[int, ...]
+    separator: str | None
     decimal: str
     faults: tuple[str, ...]
 
@@ -141,17 +147,18 @@ def read_exported_table(file: InputFile, what: str, sheet: str = "") -> Exported
     content = file.content(LARGEST_TABLE_FILE, f"a {what}")
     if content.startswith(PACKED):
         comments: tuple[str, ...] = ()
+        separator = None
         rows = _sheet_rows(file.path, content, what, sheet)
     elif sheet:
         raise InputError(
             f"{file.path}: given the sheet {quoted(sheet)} of text; allowed is a spreadsheet (.xlsx)."
         )
     else:
-        comments, rows = _text_rows(file.path, _decoded(file.path, content, what))
-    return _table_of(file.path, rows, comments)
+        comments, separator, rows = _text_rows(file.path, decoded(file.path, content, what))
+    return _table_of(file.path, rows, comments, separator)
 
 
-def _decoded(path: Path, content: bytes, what: str) -> str:
+def decoded(path: Path, content: bytes, what: str) -> str:
     """Return a file's text, in UTF-8, UTF-16 with its mark, or else Windows-1252."""
     wrong = wrong_kind(content[:LOOKED_AT])
     unicode_text = content.startswith(UTF_16)
@@ -168,7 +175,7 @@ def _decoded(path: Path, content: bytes, what: str) -> str:
 Row = tuple[int, list[str]]
 
 
-def _text_rows(path: Path, text: str) -> tuple[tuple[str, ...], list[Row]]:
+def _text_rows(path: Path, text: str) -> tuple[tuple[str, ...], str | None, list[Row]]:
     comments, lines = [], []
     for place, line in enumerate(text.split("\n"), start=1):
         stripped = line.strip(" \ufeff")
@@ -178,10 +185,20 @@ def _text_rows(path: Path, text: str) -> tuple[tuple[str, ...], list[Row]]:
             lines.append((place, stripped))
     looked_at = [line for _, line in lines[:LINES_LOOKED_AT]]
     separator = max(SEPARATORS, key=lambda mark: _suits(looked_at, mark))
+    if separator == "," and _is_one_column(looked_at):
+        separator = ";"
     try:
-        return tuple(comments), [(place, _split(line, separator)) for place, line in lines]
+        rows = [(place, split_line(line, separator)) for place, line in lines]
+        return tuple(comments), separator, rows
     except csv.Error as error:
         raise InputError(f"{path}: is no table ({error}).") from None
+
+
+def _is_one_column(lines: Sequence[str]) -> bool:
+    """Whether the commas in lines are those before decimals below one heading."""
+    numbers = [bool(_COMMA.fullmatch(line)) for line in lines]
+    first = next((place for place, alone in enumerate(numbers) if alone), 0)
+    return first > 0 and all(numbers[first:]) and "," not in lines[first - 1]
 
 
 def separator_of(header: str) -> str:
@@ -212,7 +229,8 @@ def with_points(rows: list[list[str]]) -> list[list[str]]:
     ]
 
 
-def _split(line: str, separator: str | None) -> list[str]:
+def split_line(line: str, separator: str | None) -> list[str]:
+    """Return the cells of a line, None for spaces between them."""
     if separator is None:
         return line.split()
     if '"' not in line:
@@ -225,7 +243,7 @@ def _suits(lines: Sequence[str], separator: str | None) -> tuple[int, int, int]:
     alone = some = cells_of = 0
     for line in lines:
         try:
-            cells = [cell for cell in _split(line, separator) if cell]
+            cells = [cell for cell in split_line(line, separator) if cell]
         except csv.Error:
             continue
         numbers = sum(map(_looks_like_number, cells))
@@ -286,10 +304,13 @@ def _sheet_rows(path: Path, content: bytes, what: str, sheet: str) -> list[Row]:
     return [(place, row) for place, row in enumerate(rows, start=1) if any(row)]
 
 
-def _table_of(path: Path, rows: list[Row], comments: tuple[str, ...]) -> ExportedTable:
+def _table_of(
+    path: Path, rows: list[Row], comments: tuple[str, ...], separator: str | None
+) -> ExportedTable:
     counts = [sum(map(_looks_like_number, cells)) for _, cells in rows]
     # Without any numbers the first line is a header all the same.
-    first = next((place for place, count in enumerate(counts) if count > 1), 1)
+    fewest = min(2, max(counts, default=2)) or 2
+    first = next((place for place, count in enumerate(counts) if count >= fewest), 1)
     preamble, data = rows[:first], rows[first:]
     # Separators at the ends of lines make no columns.
     width = max((_filled(cells) for _, cells in data or preamble[-1:]), default=0)
@@ -320,6 +341,8 @@ def _table_of(path: Path, rows: list[Row], comments: tuple[str, ...]) -> Exporte
         [[row[place] for place in kept] for row in cells],
         tuple(line for line, _ in data),
         comments,
+        tuple(kept),
+        separator,
         decimal,
         (*faults, *mixed),
     )
@@ -332,7 +355,8 @@ def _filled(cells: Sequence[str]) -> int:
 
 def _heads(preamble: Sequence[Row], width: int) -> tuple[list[str], list[str], int]:
     """Return headings, units and the headings' line, from the lines before the numbers."""
-    likely = [(line, cells) for line, cells in preamble if 1 < _filled(cells) <= width + 1]
+    few, most = (1, 1) if width == 1 else (2, width + 1)
+    likely = [(line, cells) for line, cells in preamble if few <= _filled(cells) <= most]
     if preamble and not likely and width == 1:
         likely = [preamble[-1]]
     if not likely:
@@ -343,14 +367,14 @@ def _heads(preamble: Sequence[Row], width: int) -> tuple[list[str], list[str], i
     names = (names + [""] * width)[:width]
     units = []
     for name, unit in zip(names, below, strict=True):
-        bracketed = _BRACKETS.match(name)
+        bracketed = BRACKETED.match(name)
         units.append(_bare(unit) or (bracketed[2].strip() if bracketed else ""))
     return names, units, line
 
 
 def _bare(cell: str) -> str:
     """Return a unit without brackets around all of it."""
-    bracketed = _BRACKETS.match(cell)
+    bracketed = BRACKETED.match(cell)
     return (bracketed[2] if bracketed and not bracketed[1] else cell).strip()
 
 

@@ -41,6 +41,7 @@ _METRIC = {
     "J": ("joule", "M k m"),
     "W": ("watt", "M k"),
     "VA": ("volt_ampere", "M k"),
+    "V": ("volt", "k m u"),
     "s": ("second", "m u"),
     "Hz": ("hertz", "k"),
     "rad": ("radian", "m u"),

@@ -1,0 +1,93 @@
+"""Reading a record: which format a file has, by its first bytes, and the library that reads it."""
+
+from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+
+from crankbase.array_checks import Array, positive_number
+from crankbase.errors import InputError, MissingLibraryError
+from crankbase.input_file import not_a_file
+from crankfem.satellites.measured.records.record import SAMPLES, Record
+from crankfem.satellites.measured.records.series import RecordReading
+from crankfem.satellites.measured.records.text import read_text
+
+Reader = Callable[[Path, RecordReading], Record]
+_HERE = __name__.rpartition(".")[0]
+# First bytes of a format: its name, the package that reads it, and the function here.
+FORMATS: dict[bytes, tuple[str, str, str]] = {}
+
+
+def read_record(
+    path: str | Path,
+    *,
+    columns: Mapping[str, int | str] | None = None,
+    units: Mapping[str, str] | None = None,
+    rate: float | None = None,
+    sheet: str = "",
+) -> Record:
+    """Read a record that an instrument wrote.
+
+    Parameters
+    ----------
+    columns : mapping of str to int or str, optional
+        Name, which ends in its unit, of columns of a text without a usable header, by number from 1 or
+        heading: ``{"time_s": 1, "wheel_V": 3}``.
+    units : mapping of str to str, optional
+        Units of channels, times and angles by name, in place of those in the file.
+    rate : float, optional
+        Samples in a second [1/s], where the file has no time, or too few digits of it.
+    sheet : str, optional
+        Of a spreadsheet.
+
+    Returns
+    -------
+    Record
+        Its format is found by the content.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or contradicts what is said of it.
+    MissingLibraryError
+        If the package that reads its format is not installed.
+    """
+    file = Path(path)
+    if not file.is_file():
+        what = not_a_file(file) or "does not exist"
+        raise InputError(f"{path}: {what}; allowed is the path of a record.")
+    if rate is not None:
+        positive_number("rate", rate, "1/s", "it is a number of samples in a second")
+    reading = RecordReading(columns or {}, units or {}, rate, sheet)
+    with file.open("rb") as opened:
+        head = opened.read(1024)
+    for first, (name, package, function) in FORMATS.items():
+        if head.startswith(first):
+            return _reader(file, name, package, function)(file, reading)
+    return read_text(file, reading)
+
+
+def _reader(file: Path, name: str, package: str, function: str) -> Reader:
+    """Load the reader of a format.
+
+    Raises
+    ------
+    MissingLibraryError
+        If its package is not installed.
+    """
+    module, _, function = function.partition(":")
+    try:
+        import_module(package)
+    except ModuleNotFoundError:
+        raise MissingLibraryError(
+            f"{file}: is a record in {name}, which needs the package {package}: pip install "
+            "'crankfem[measured]'."
+        ) from None
+    reader: Reader = getattr(import_module(f"{_HERE}.{module}"), function)
+    return reader
+
+
+def iter_pieces(
+    path: str | Path, channel: str, group: str | None = None, *, samples: int = SAMPLES
+) -> Iterator[tuple[Array, Array]]:
+    """Read one channel in pieces: places [s or rad] and samples in SI; see `Channel.pieces`."""
+    return read_record(path).channel(channel, group).pieces(samples)
