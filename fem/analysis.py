@@ -813,7 +813,7 @@ def solving_memory(throw: Throw, unknowns: float, *, stresses: bool = False) -> 
         Whether for the stresses at its fillets alone, or for its superelement.
     """
     each = PER_UNKNOWN * (FOR_STRESSES if stresses else 1.0)
-    if not isinstance(throw, CrankThrow) or throw.symmetry == "full":
+    if throw.symmetry == "full":
         each *= WHOLE
     return LIBRARIES + each * unknowns
 

@@ -78,7 +78,7 @@ from fem.fillet_peaks import (
 )
 from fem.material import STEEL, Material
 from fem.superelement import EndSections
-from fem.symmetry import radial_directions
+from fem.symmetry import mirror_images, radial_directions
 from fem.wished_accuracy import STRESS_ACCURACY
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Mesher, Throw, mesh_isolated
@@ -274,7 +274,9 @@ def fillet_stresses(
     webs = parts.webs if mesh == "m53" else ()
     fillets = throw_fillets(parts)
     if not isinstance(throw, CrankThrow):
-        points = fillet_points(usual)
+        points = np.concatenate(
+            [image.points(fillet_points(usual)) for image in mirror_images(usual)]
+        )
         fillets = tuple(fillet for fillet in fillets if fillet.holds(points).any())
     outlets = [outlet for hole in parts.drillings for outlet in hole.exits]
     sites: tuple[Site, ...] = (*fillets, *outlets)

@@ -31,14 +31,15 @@ from geometry.mesh import (
     ThrowMesh,
     check_budget,
     checked_mesh,
+    checked_part,
     flat_triangles,
-    solid_properties,
     try_strategies,
 )
 from geometry.parts import Cylinder, Line, Outline, ThrowParts, WebPlate
 from geometry.sizes import (
     GROWTH,
     ROOT_PER_FILLET,
+    SHARES,
     SIZE_PER_BORE,
     SizeMap,
     SizePlan,
@@ -47,6 +48,7 @@ from geometry.sizes import (
 )
 from geometry.solid import BORE, LEFT_END, PIN, RIGHT_END, Zone
 from geometry.step_file import CYLINDER, PLANE, StepFace, read_step
+from geometry.symmetric_part import PartOfSolid, part_of_solid
 
 # The unit in which the kernel reads files, and the scale that gmsh applies then.
 UNIT_OPTION, SCALE_OPTION = "Geometry.OCCTargetUnit", "Geometry.OCCScaling"
@@ -78,6 +80,8 @@ class ImportedThrow:
         Distance of the end planes [m].
     volume, area : float
         Of the solid [m^3, m^2].
+    symmetry : str
+        Smallest part that stands for the throw, and is meshed: "quarter", "half" or "full".
     filleted : bool
         Whether main journals and pins meet the webs without a sharp corner.
     turned, shifted : float
@@ -108,6 +112,7 @@ class ImportedThrow:
     length: float
     volume: float
     area: float
+    symmetry: str
     filleted: bool
     turned: float
     shifted: float
@@ -122,11 +127,6 @@ class ImportedThrow:
     corners: tuple[tuple[Zone, tuple[int, ...]], ...]
 
     @property
-    def symmetry(self) -> str:
-        """An imported throw is meshed whole, whatever symmetry it has."""
-        return "full"
-
-    @property
     def pins(self) -> tuple[Cylinder, ...]:
         """From the left: "pin", "pin 2" ..."""
         return self.cylinders[1:-1]
@@ -136,13 +136,15 @@ class ImportedThrow:
         """Positions (x, y) of the pins' axes [m]."""
         return tuple(pin.axis for pin in self.pins)
 
-    def expected_unknowns(self, factor: float) -> int:
+    def expected_unknowns(self, factor: float, part: str = "auto") -> int:
         """Predict the number of displacement unknowns, as `predict_unknowns` does but more roughly.
 
         Parameters
         ----------
         factor : float
             Scales all element sizes.
+        part : {"auto", "quarter", "half", "full"}
+            What is meshed; "auto" is the smallest that stands for the throw.
         """
         plan = _scaled(self.plan, factor)
         share = (np.arange(LAYERS) + 0.5) / LAYERS
@@ -160,11 +162,13 @@ class ImportedThrow:
             size = factor * max(ROOT_PER_FILLET * radius, self.smallest)
             if size < plan.bulk:
                 faces += NODES_PER_ROUNDED_FACE / NODES_PER_FACE * area / size**2
-        return round(3.0 * (NODES_PER_CELL * cells + NODES_PER_FACE * faces))
+        share_of_it = SHARES[self.symmetry if part == "auto" else part]
+        return round(3.0 * share_of_it * (NODES_PER_CELL * cells + NODES_PER_FACE * faces))
 
     def meshed(
         self,
         size_factor: float = 1.0,
+        part: str = "auto",
         sizes: SizeMap | None = None,
         attempts: tuple[str, ...] = (),
         on_remark: OnRemark | None = None,
@@ -173,13 +177,13 @@ class ImportedThrow:
 
         Parameters
         ----------
-        size_factor, sizes, attempts, on_remark
+        size_factor, part, sizes, attempts, on_remark
             As for `mesh_throw`.
 
         Returns
         -------
         ThrowMesh
-            Of the whole part, in the throw frame. All faces other than ends, pins, main journals,
+            In the throw frame. All faces other than ends, pins, main journals,
             fillets and bores are "web".
 
         Raises
@@ -194,8 +198,9 @@ class ImportedThrow:
                 f"{self.path}: given a file that has changed since it was imported; allowed is the same, "
                 "or import it again."
             )
+        part = checked_part(self, part)
         check_budget(
-            self.expected_unknowns(size_factor)
+            self.expected_unknowns(size_factor, part)
             if sizes is None
             else sizes.expected_unknowns(size_factor),
             size_factor,
@@ -203,27 +208,22 @@ class ImportedThrow:
 
         def mesh_by(rung: MeshingStrategy, failed: tuple[str, ...]) -> ThrowMesh:
             factor = size_factor * rung.share
-            surfaces = {name: list(tags) for name, tags in self.surfaces}
             opened = time.perf_counter()
             with opened_part(self.path) as (gmsh, tag):
                 for option, value in rung.options:
                     gmsh.option.setNumber(option, value)
                 with gmsh_errors("mesh the throw"):
-                    occ = gmsh.model.occ
-                    occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, self.turned)
-                    occ.translate([(3, tag)], 0.0, 0.0, self.shifted)
-                    occ.synchronize()
-                    solid = solid_properties(gmsh)
+                    made = self.placed(gmsh, tag, part)
                     seconds = time.perf_counter() - opened
                     if sizes is None:
-                        _set_sizes(gmsh, self, factor)
+                        _set_sizes(gmsh, self, made, factor)
                     else:
                         set_size_map(gmsh, sizes, factor)
                 mesh = checked_mesh(
                     gmsh,
-                    surfaces,
-                    solid,
-                    part="full",
+                    made.surfaces,
+                    made.solid,
+                    part=part,
                     length=self.length,
                     pins=tuple(pin.name for pin in self.pins),
                     size_factor=factor,
@@ -231,13 +231,31 @@ class ImportedThrow:
                     geometry_seconds=seconds,
                 )
             # The surfaces' numbers must mean what they did when the part was read.
-            for end, place in ((LEFT_END, 0.0), (RIGHT_END, mesh.length)):
-                off = np.abs(mesh.points[mesh.surfaces[end], 2] - place)
+            ends = ((LEFT_END, 0.0), (RIGHT_END, mesh.length))
+            for end, place in ends[:1] if part == "quarter" else ends:
+                nodes = np.unique(mesh.surfaces.get(end, np.empty(0, np.int64)))
+                off = np.abs(mesh.points[nodes, 2] - place)
                 if off.size == 0 or off.max() > 10.0 * PLACE_TOLERANCE * mesh.length:
                     raise MeshError(f"the surface {end!r} of the file is not where it was.")
             return mesh
 
         return try_strategies(mesh_by, attempts, on_remark)
+
+    def placed(self, gmsh: Any, tag: int, part: str) -> PartOfSolid:
+        """Turn and shift the file's solid in gmsh into the throw frame, and keep a part of it.
+
+        Raises
+        ------
+        MeshError
+            If the part cannot be cut out.
+        """
+        occ = gmsh.model.occ
+        occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, self.turned)
+        occ.translate([(3, tag)], 0.0, 0.0, self.shifted)
+        occ.synchronize()
+        return part_of_solid(
+            gmsh, tag, part, self.length, self.surfaces, self.fillets, self.corners
+        )
 
     def parts_by(self, mesh: ThrowMesh) -> ThrowParts:
         """Return the journals, pins and webs.
@@ -253,6 +271,11 @@ class ImportedThrow:
             Each web as a plate with the width that nominal stresses refer to.
         """
         corners = mesh.points[flat_triangles(mesh)]
+        if mesh.part != "full":
+            corners = np.concatenate([corners, corners * [-1.0, 1.0, 1.0]])
+        if mesh.part == "quarter":
+            other_half = np.array([0.0, 0.0, mesh.length]) + corners * [1.0, 1.0, -1.0]
+            corners = np.concatenate([corners, other_half])
         rows = list(pairwise(self.cylinders))
         names = ["left web", *(f"web {number}" for number in range(2, len(rows))), "right web"]
         webs = tuple(
@@ -453,7 +476,7 @@ def _scaled(plan: SizePlan, factor: float) -> SizePlan:
     return SizePlan(factor * plan.bulk, zones)
 
 
-def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
+def _set_sizes(gmsh: Any, throw: ImportedThrow, part: PartOfSolid, factor: float) -> None:
     """Sizes at fillets and corners by a field, elsewhere by curvature."""
     plan = _scaled(throw.plan, factor)
     # Elements round a circle, as long beside its radius as at fillets.
@@ -462,4 +485,4 @@ def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", plan.bulk)
     if not plan.zones:
         return
-    set_face_sizes(gmsh, throw.holes, dict(throw.fillets), dict(throw.corners), plan)
+    set_face_sizes(gmsh, throw.holes, part.fillets, part.corners, plan)

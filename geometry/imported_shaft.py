@@ -4,7 +4,7 @@ import atexit
 import hashlib
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cache
@@ -304,14 +304,20 @@ def _crankshaft(
         angles_deg=tuple(angles),
         starts=(*(piece.low for piece in pieces), pieces[-1].high),
         like=tuple((piece.like + 1, piece.change) for piece in pieces),
-        symmetries=tuple(piece.symmetry for piece in pieces),
+        symmetries=tuple(throw.symmetry for throw in throws),
         journals=tuple(map(_cylinder, cut.mains)),
         pins=tuple(map(_cylinder, cut.pins)),
         bores=tuple(map(_cylinder, cut.bores)),
         ends=(_end(cut.free_end), _end(cut.flange_end)),
-        remarks=tuple(_remarks(cut, unit)),
+        remarks=(*_remarks(cut, unit), *_unused_symmetries(pieces, throws)),
         _pieces=pieces,
     )
+
+
+def _unused_symmetries(pieces: Sequence[Piece], throws: Sequence[ImportedThrow]) -> Iterator[str]:
+    for number, (piece, throw) in enumerate(zip(pieces, throws, strict=True), start=1):
+        if piece.copied is None and piece.symmetry != throw.symmetry:
+            yield f"Throw {number}: {throw.remarks[-1]}"
 
 
 def _end(piece: Piece | None) -> EndPart | None:

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -499,7 +499,15 @@ def all_failed(attempts: tuple[str, ...]) -> MeshError:
     )
 
 
-def checked_part(throw: CrankThrow, part: str) -> str:
+class Symmetric(Protocol):
+    """What has a symmetry."""
+
+    @property
+    def symmetry(self) -> str:
+        """Its smallest part that stands for it."""
+
+
+def checked_part(throw: Symmetric, part: str) -> str:
     """Return the requested part, which the throw's symmetry must allow.
 
     Raises

@@ -5,9 +5,15 @@ from typing import Protocol, runtime_checkable
 
 from crankbase.calls import ProcessLostError
 from crankbase.choices import check_kind
-from crankbase.errors import InputError
 from geometry.gmsh_session import IsolatedProcess, shared_process
-from geometry.mesh import MESHING_STRATEGIES, OnRemark, ThrowMesh, all_failed, mesh_throw
+from geometry.mesh import (
+    MESHING_STRATEGIES,
+    OnRemark,
+    ThrowMesh,
+    all_failed,
+    checked_part,
+    mesh_throw,
+)
 from geometry.parts import Cylinder, ThrowParts
 from geometry.sizes import SizeMap, predict_unknowns
 from geometry.throw import CrankThrow
@@ -53,17 +59,18 @@ class CadPart(Protocol):
     def pin_axes(self) -> tuple[tuple[float, float], ...]:
         """Positions (x, y) of the pins' axes [m]."""
 
-    def expected_unknowns(self, factor: float) -> int:
+    def expected_unknowns(self, factor: float, part: str = "auto") -> int:
         """Predict the number of unknowns."""
 
     def meshed(
         self,
         size_factor: float = 1.0,
+        part: str = "auto",
         sizes: SizeMap | None = None,
         attempts: tuple[str, ...] = (),
         on_remark: OnRemark | None = None,
     ) -> ThrowMesh:
-        """Mesh the whole part in this process, as `mesh_throw` does."""
+        """Mesh it in this process, as `mesh_throw` does."""
 
     def parts_by(self, mesh: ThrowMesh) -> ThrowParts:
         """Return journals, pins and webs, measured on a mesh."""
@@ -106,10 +113,7 @@ def mesh_isolated(
     """
     check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
     process = shared_process() if process is None else process
-    if not isinstance(throw, CrankThrow) and part not in ("auto", "full"):
-        raise InputError(
-            f"part: given {part!r}; allowed is 'full' or 'auto', because an imported throw is meshed whole."
-        )
+    checked_part(throw, part)
     limit = time_limit + SECONDS_PER_UNKNOWN * expected_unknowns(throw, size_factor, sizes)
     attempts: tuple[str, ...] = ()
 
@@ -147,7 +151,7 @@ def mesh_here(
     """Mesh any throw in this process; parameters, results and errors as for `mesh_throw`."""
     if isinstance(throw, CrankThrow):
         return mesh_throw(throw, size_factor, part, sizes, attempts, on_remark)
-    return throw.meshed(size_factor, sizes, attempts, on_remark)
+    return throw.meshed(size_factor, part, sizes, attempts, on_remark)
 
 
 def expected_unknowns(throw: Throw, size_factor: float, sizes: SizeMap | None = None) -> int:

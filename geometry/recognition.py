@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, MeshError
 from crankbase.sentences import amount
+from geometry.equal_pieces import signature
 from geometry.faces import (
     DIRECTION_TOLERANCE,
     Face,
@@ -202,12 +203,13 @@ class _Recognition:
         )
         spans = [(low + shift, high + shift) for low, high in reaches]
         cylinders = named_cylinders(names, axes, row, spans, radii, holes)
-        return ImportedThrow(
+        throw = ImportedThrow(
             path=path,
             digest=digest,
             length=self._high - self._low,
             volume=float(gmsh.model.occ.getMass(3, self._solid)),
             area=sum(float(gmsh.model.occ.getMass(2, face.tag)) for face in self._faces),
+            symmetry="full",
             filleted=not corners,
             turned=turn,
             shifted=shift,
@@ -221,6 +223,20 @@ class _Recognition:
             fillets=tuple((zone, tuple(tags)) for zone, tags in fillets.items()),
             corners=tuple((zone, tuple(tags)) for zone, tags in corners.items()),
         )
+        return self._symmetric(throw)
+
+    def _symmetric(self, throw: ImportedThrow) -> ImportedThrow:
+        """Find the symmetry of the throw, if its part can be cut out; the solid is no more then."""
+        angles = [math.atan2(-pin.axis[0], pin.axis[1]) for pin in self._pins]
+        part = signature(self._gmsh, self._solid, self._low, self._high, angles).symmetry
+        if part == "full":
+            return throw
+        try:
+            throw.placed(self._gmsh, self._solid, part)
+        except MeshError as error:
+            said = f"The throw seems to be symmetric but is meshed whole: {error}"
+            return replace(throw, remarks=(*throw.remarks, said))
+        return replace(throw, symmetry=part)
 
     def _end(self, field: str, named: tuple[StepFace, ...] | None, extreme: float) -> list[Face]:
         """Plane faces of one end; all of them, for programs may cut it into several."""

@@ -8,15 +8,18 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError, MeshError
+from fem.analysis import analyze_throw
 from fem.material import STEEL
 from fem.solver import assemble_stiffness
 from fem.superelement import condense
 from fem.supports import class_axial_compliances
 from fem.symmetry import axial_class, unit_pin_loads
+from geometry.equal_pieces import Signature
 from geometry.gmsh_session import IsolatedProcess, gmsh_session
-from geometry.imported import NODES_PER_FACE, import_throw
+from geometry.imported import NODES_PER_FACE, RequestedFaces, import_throw
 from geometry.mass import mass_properties
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
+from geometry.recognition import recognize
 from geometry.shapes import element_volumes
 from geometry.solid import (
     BORE,
@@ -167,7 +170,7 @@ def mesh(imported):
 def assert_same_throw(imported, throw, tolerance=1e-6):
     assert imported.volume == close(throw.volume, rel=tolerance)
     assert imported.length == close(throw.length, rel=1e-9)
-    assert imported.symmetry == "full"
+    assert imported.symmetry == throw.symmetry
     assert imported.filleted == throw.filleted
     journals = imported.cylinders[0], imported.cylinders[-1]
     assert [end.radius for end in journals] == close([throw.main_journal_diameter / 2.0] * 2)
@@ -316,7 +319,7 @@ def test_a_larger_finely_meshed_surface_takes_more_unknowns(imported):
     counts = []
     for area in (0.1, 0.2):
         plan = replace(imported.plan, zones=(replace(zone, area=area * imported.area),))
-        counts.append(replace(imported, plan=plan).expected_unknowns(1.0))
+        counts.append(replace(imported, plan=plan).expected_unknowns(1.0, "full"))
     # Almost as coarse as all else, it takes as many a square meter, within the layers beside it.
     faces = 0.1 * imported.area / zone.size**2
     assert counts[1] - counts[0] == close(3.0 * NODES_PER_FACE * faces, rel=0.1)
@@ -336,7 +339,7 @@ def test_bores_are_not_taken_for_pins_or_journals(bored, folder, with_names):
     imported = import_throw(write(folder / f"bored{with_names}.step", text))
     assert_same_throw(imported, bored)
     assert [part.bore_radius for part in imported.cylinders] == close([0.04, 0.03, 0.04])
-    mesh = imported.meshed(2.0)
+    mesh = imported.meshed(2.0, "full")
     assert mesh.solid.volume == close(bored.volume, rel=1e-6)
     assert element_volumes(mesh.points, mesh.elements).sum() == close(bored.volume, 1e-3)
     bore = mesh.points[np.unique(mesh.surfaces[BORE])]
@@ -408,7 +411,7 @@ def test_an_oil_hole_disturbs_nothing(throw, folder):
     assert imported.corners == ()
     assert len(dict(imported.surfaces)[FILLET]) == 4
     assert BORE not in dict(imported.surfaces)
-    mesh = imported.meshed(1.5)
+    mesh = imported.meshed(1.5, "full")
     assert mesh.attempts == ()
     assert element_volumes(mesh.points, mesh.elements).sum() == close(imported.volume, rel=1e-3)
 
@@ -530,16 +533,16 @@ def test_a_file_that_takes_the_process_down(imported):
 
 @pytest.mark.slow
 def test_failed_ways_are_passed_over_and_recorded(imported):
-    mesh = imported.meshed(2.5, None, ("as planned: it took too long",))
+    mesh = imported.meshed(2.5, "auto", None, ("as planned: it took too long",))
     assert mesh.attempts == ("as planned: it took too long",)
     assert mesh.size_factor == close(2.5 * MESHING_STRATEGIES[1].share)
     with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
-        imported.meshed(2.5, None, ("no",) * len(MESHING_STRATEGIES))
+        imported.meshed(2.5, "auto", None, ("no",) * len(MESHING_STRATEGIES))
 
 
 def test_too_fine_a_mesh_is_refused(imported):
     with refused("size_factor"):
-        imported.meshed(0.1)
+        imported.meshed(0.05)
 
 
 def test_a_changed_file_is_refused(named, folder):
@@ -559,7 +562,7 @@ def test_surfaces_that_are_elsewhere_are_noticed(imported):
     names |= {LEFT_END: names[RIGHT_END], RIGHT_END: names[LEFT_END]}
     wrong = replace(imported, surfaces=tuple(names.items()))
     with pytest.raises(MeshError, match="'left end' of the file is not where it was"):
-        wrong.meshed(3.0, None, ("no",) * (len(MESHING_STRATEGIES) - 1))
+        wrong.meshed(3.0, "auto", None, ("no",) * (len(MESHING_STRATEGIES) - 1))
 
 
 # --- analysis -----------------------------------------------------------------------------------
@@ -570,6 +573,44 @@ def axial_compliance(mesh):
     part = condense(mesh, matrix, unit_pin_loads(mesh), axial_class(mesh.part))
     return SimpleNamespace(
         value=class_axial_compliances(part, "pinned")[0], factor=mesh.size_factor
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "part"), [({}, "quarter"), ({"left_web": {"thickness": 0.07}}, "half")]
+)
+def test_the_part_that_is_meshed_stands_for_the_whole(dimensions, folder, change, part):
+    throw = CrankThrow(**dimensions | change)
+    imported = import_throw(write(folder / f"{part}.step", step_text(throw, turn=0.3)))
+    assert imported.symmetry == part
+    results = [
+        analyze_throw(one, accuracy=0.05) for one in (imported, replace(imported, symmetry="full"))
+    ]
+    assert [result.mesh.part for result in results] == [part, "full"]
+    (cut, expected) = (result.masses for result in results)
+    assert cut.inertia == close(expected.inertia, abs=1e-7 * expected.inertia.max())
+    assert cut.center == close(expected.center, abs=1e-7)
+    bars = [result.error_bars() for result in results]
+    first, second = results
+    axial, torsional = sum(bar.axial for bar in bars), sum(bar.torsional for bar in bars)
+    assert first.axial_compliance() == close(second.axial_compliance(), abs=axial)
+    assert first.torsional_compliance() == close(second.torsional_compliance(), abs=torsional)
+    widths = [
+        [2.0 * web.outline.pieces[1].start[0] for web in imported.parts_by(result.mesh).webs]
+        for result in results
+    ]
+    assert widths[0] == close(widths[1], rel=1e-2)
+
+
+def test_an_apparent_symmetry_is_not_used_and_told(dimensions, folder, monkeypatch):
+    throw = CrankThrow(**dimensions, left_web={"thickness": 0.07})
+    path = write(folder / "apparent.step", step_text(throw))
+    monkeypatch.setattr(Signature, "symmetry", "quarter")
+    imported = recognize(str(path), "", RequestedFaces(None, None, None))
+    assert imported.symmetry == "full"
+    assert imported.remarks[-1].startswith(
+        "The throw seems to be symmetric but is meshed whole: a quarter of the throw, mirrored, differs"
     )
 
 
