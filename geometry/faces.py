@@ -248,11 +248,11 @@ def meetings(
     found = Meetings({}, {}, {})
     for number, item in enumerate(row):
         for tag in item.tags:
-            for curve, other in _neighbors(gmsh, tag, {*item.tags, *ends}):
+            for curve, other in neighbors(gmsh, tag, {*item.tags, *ends}):
                 point = middle_point(gmsh, 1, curve)
                 first = point[2] - item.low < item.high - point[2]
                 zone = (number, "start" if first else "end")
-                out, normal = _normal(gmsh, other, point), _normal(gmsh, tag, point)
+                out, normal = normal_at(gmsh, other, point), normal_at(gmsh, tag, point)
                 if float(out @ normal) > math.cos(SMOOTH):
                     where = middle_point(gmsh, 2, other)
                     if math.dist(where[:2], item.axis) > item.radius + tolerance:
@@ -265,7 +265,7 @@ def meetings(
     return Meetings(unique, found.corners, found.radii)
 
 
-def _neighbors(gmsh: Any, tag: int, besides: set[int]) -> Iterator[tuple[int, int]]:
+def neighbors(gmsh: Any, tag: int, besides: set[int]) -> Iterator[tuple[int, int]]:
     """Curves round a face, each with the face beyond it."""
     model = gmsh.model
     for _, curve in model.getBoundary([(2, tag)], combined=False, oriented=False):
@@ -274,7 +274,7 @@ def _neighbors(gmsh: Any, tag: int, besides: set[int]) -> Iterator[tuple[int, in
                 yield int(curve), int(other)
 
 
-def _normal(gmsh: Any, tag: int, point: Array) -> Array:
+def normal_at(gmsh: Any, tag: int, point: Array) -> Array:
     """Normal of a face out of the solid."""
     where = gmsh.model.getParametrization(2, tag, point.tolist())
     return np.asarray(gmsh.model.getNormal(tag, where), dtype=float)

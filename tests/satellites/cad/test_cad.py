@@ -139,6 +139,14 @@ def test_random_crankshafts(tmp_path, seed):
     assert_same(shaft, read)
 
 
+def test_divided_fillets_are_compared_as_whole_ones(tmp_path):
+    shaft = random_shaft(100)
+    assert_same(
+        shaft,
+        run_cad(write_shaft(tmp_path / "crank.step", shaft, random_posture(100)), accuracy=None),
+    )
+
+
 def test_a_throw_turned_end_for_end_is_of_the_same_kind(tmp_path):
     shaft = random_shaft(2)
     read = import_crankshaft(write_shaft(tmp_path / "crank.step", shaft, TURNED))
