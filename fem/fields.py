@@ -19,7 +19,7 @@ from fem.solver import SharedSolver, assemble_stiffness
 from fem.superelement import CondensedClass, Superelement, checked_superelement, condense
 from fem.symmetry import mirror_images, radial_directions, symmetry_classes, unit_pin_loads
 from geometry.mesh import ThrowMesh
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 
 @dataclass(frozen=True)
@@ -180,14 +180,14 @@ class StressFields:
         return np.concatenate([amplitudes, pin], axis=-1)
 
 
-def stress_fields(mesh: ThrowMesh, throw: CrankThrow, material: Material) -> StressFields:
+def stress_fields(mesh: ThrowMesh, throw: Throw, material: Material) -> StressFields:
     """Solve a throw with one pin for its fields of stress at fillets and oil holes.
 
     Parameters
     ----------
     mesh : ThrowMesh
         Of the throw, fine at its fillets, such as `FilletStresses.loaded.mesh`.
-    throw : CrankThrow
+    throw : CrankThrow or ImportedThrow
         With fillets or oil holes.
 
     Raises
@@ -238,7 +238,7 @@ def stress_fields(mesh: ThrowMesh, throw: CrankThrow, material: Material) -> Str
     return StressFields(tuple(sites), whole, unit, int(mesh.points.size))
 
 
-def _places(throw: CrankThrow, points: Array) -> Sequence[tuple[str, str, float, float, Flags]]:
+def _places(throw: Throw, points: Array) -> Sequence[tuple[str, str, float, float, Flags]]:
     """Name, kind, diameter, radius and nodes of each fillet and each exit."""
     places = [
         (

@@ -27,9 +27,12 @@ from geometry.mass import (
     unbalance,
 )
 from geometry.mesh import SOLID_VOLUME_TOLERANCE, SolidProperties, built_solid, solid_properties
-from geometry.mesher import TIME_LIMIT
+from geometry.mesher import TIME_LIMIT, Throw
 from geometry.solid import Entity, make_solid, remove_loose
 from geometry.throw import CrankThrow
+
+# Diameters of one journal in two throws from files agree to this share.
+SAME_SIZE = 1e-9
 
 
 class ShaftEnds(InputModel):
@@ -83,7 +86,7 @@ class Crankshaft:
 
     Parameters
     ----------
-    throws : sequence of n CrankThrow
+    throws : sequence of n CrankThrow or ImportedThrow
         From the free end to the flange. Adjacent throws share a main bearing, so their main
         journals have one diameter. Bores that differ end in the middle of the journal; see `remarks`.
     crank_angles_deg : sequence of n float
@@ -101,7 +104,7 @@ class Crankshaft:
     >>> shaft = Crankshaft([throw] * 4, crank_angles_deg=[0.0, 180.0, 180.0, 0.0])  # doctest: +SKIP
     """
 
-    throws: Sequence[CrankThrow]
+    throws: Sequence[Throw]
     _: KW_ONLY
     crank_angles_deg: Sequence[float]
     ends: ShaftEnds = field(default_factory=ShaftEnds)
@@ -113,14 +116,16 @@ class Crankshaft:
                 "allowed is one for each of at least one throw."
             )
         for place, throw in enumerate(self.throws):
-            check_kind(f"throws[{place}]", throw, CrankThrow, "a CrankThrow")
+            check_kind(
+                f"throws[{place}]", throw, Throw, "a CrankThrow, or what import_throw returns"
+            )
         finite_vector("crank_angles_deg", self.crank_angles_deg)
         refuse_crank_radians("crank_angles_deg", self.crank_angles_deg)
         for number, (first, second) in enumerate(
             zip(self.throws, self.throws[1:], strict=False), start=1
         ):
             left, right = first.main_journal_diameter, second.main_journal_diameter
-            if left != right:
+            if not math.isclose(left, right, rel_tol=SAME_SIZE):
                 raise InputError(
                     f"throws: given main_journal_diameter {format_quantity(left, 'm')} in throw {number} and "
                     f"{format_quantity(right, 'm')} in throw {number + 1}; allowed is one value, because "
@@ -137,7 +142,7 @@ class Crankshaft:
         sizes = " and ".join(format_quantity(size, "m") for size in diameters)
         if all(diameters) and abs(first - second) > 1e-9 * left.main_journal_diameter:
             return f"{sizes}, {format_quantity(float(abs(first - second)), 'm', 4)} apart"
-        return None if diameters[0] == diameters[1] else sizes
+        return None if math.isclose(*diameters, rel_tol=SAME_SIZE) else sizes
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -184,7 +189,7 @@ class Crankshaft:
         MeshError
             If a throw's solid cannot be built.
         """
-        by_throw: dict[CrankThrow, MassProperties] = {}
+        by_throw: dict[Throw, MassProperties] = {}
         parts = []
         for throw, angle, start in zip(
             self.throws, self.crank_angles_deg, self.starts[:-1], strict=True
@@ -223,7 +228,7 @@ class Crankshaft:
         )
 
 
-def throw_starts(throws: Sequence[CrankThrow]) -> tuple[float, ...]:
+def throw_starts(throws: Sequence[Throw]) -> tuple[float, ...]:
     """Left end of each throw along a shaft, and the last one's right end [m].
 
     Sums are rounded once, so that equal throws are at whole multiples of their length.
@@ -232,7 +237,7 @@ def throw_starts(throws: Sequence[CrankThrow]) -> tuple[float, ...]:
     return tuple(math.fsum(lengths[:number]) for number in range(len(lengths) + 1))
 
 
-def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
+def throw_masses(throw: Throw, density: float) -> MassProperties:
     """Mass properties of a throw from its solid, without meshing it.
 
     Parameters
@@ -247,13 +252,10 @@ def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
     MeshError
         If the solid cannot be built.
     """
-    check_kind(
-        "throw",
-        throw,
-        CrankThrow,
-        "a CrankThrow; of an imported throw analyze_throw gives the mass",
-    )
+    check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
     check_density(density)
+    if not isinstance(throw, CrankThrow):
+        return solid_mass_properties(throw.solid, "full", throw.length, density)
     try:
         solid = shared_process().call(
             "geometry.crankshaft:throw_solid", throw, time_limit=TIME_LIMIT
@@ -279,12 +281,16 @@ def make_shaft(gmsh: Any, shaft: Crankshaft) -> None:
     """
     occ = gmsh.model.occ
     pieces: list[Entity] = []
-    made: dict[CrankThrow, Entity] = {}
+    made: dict[Throw, Entity] = {}
     for throw, angle, start in zip(
         shaft.throws, np.radians(shaft.crank_angles_deg), shaft.starts[:-1], strict=True
     ):
         if throw not in made:
-            made[throw] = make_solid(gmsh, throw.parts, "full")
+            made[throw] = (
+                make_solid(gmsh, throw.parts, "full")
+                if isinstance(throw, CrankThrow)
+                else throw.read_into(gmsh)
+            )
         (copied,) = occ.copy([made[throw]])
         occ.rotate([copied], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, angle)
         occ.translate([copied], 0.0, 0.0, float(start))

@@ -5,7 +5,7 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import count, pairwise, takewhile
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from geometry.gmsh_session import (
 from geometry.mesh import (
     MeshingStrategy,
     OnRemark,
+    SolidProperties,
     ThrowMesh,
     check_budget,
     checked_mesh,
@@ -105,6 +106,8 @@ class ImportedThrow:
     fillets, corners : tuple of (zone, tags)
         Surfaces and curves where elements are small; cylinders are numbered from the left main
         journal.
+    solid : SolidProperties
+        By the kernel, in the throw frame.
     """
 
     path: str
@@ -125,6 +128,7 @@ class ImportedThrow:
     cylinders: tuple[Cylinder, ...]
     fillets: tuple[tuple[Zone, tuple[int, ...]], ...]
     corners: tuple[tuple[Zone, tuple[int, ...]], ...]
+    solid: SolidProperties = field(compare=False, repr=False)
 
     @property
     def pins(self) -> tuple[Cylinder, ...]:
@@ -135,6 +139,51 @@ class ImportedThrow:
     def pin_axes(self) -> tuple[tuple[float, float], ...]:
         """Positions (x, y) of the pins' axes [m]."""
         return tuple(pin.axis for pin in self.pins)
+
+    @property
+    def parts(self) -> ThrowParts:
+        """Journals and pins; webs, of any shape, are measured on a mesh alone."""
+        return ThrowParts(self.cylinders, ())
+
+    @property
+    def crank_radius(self) -> float:
+        """Of the first pin [m]."""
+        return math.hypot(*self.pins[0].axis)
+
+    @property
+    def pin_diameter(self) -> float:
+        """Of the first pin [m]."""
+        return 2.0 * self.pins[0].radius
+
+    @property
+    def pin_length(self) -> float:
+        """Of the first pin, between the webs [m]."""
+        return self.pins[0].end - self.pins[0].start
+
+    @property
+    def pin_bore(self) -> float:
+        """Diameter of the hole through the first pin, 0 without one [m]."""
+        return 2.0 * self.pins[0].bore_radius
+
+    @property
+    def main_journal_diameter(self) -> float:
+        """Of the thinner one, as both are where the shaft's are equal [m]."""
+        return 2.0 * min(self.cylinders[0].radius, self.cylinders[-1].radius)
+
+    @property
+    def main_journal_length(self) -> float:
+        """Both halves together [m]."""
+        return sum(journal.end - journal.start for journal in self.cylinders[:: len(self.pins) + 1])
+
+    @property
+    def main_journal_bore(self) -> float:
+        """Diameter of the larger hole through a main journal, 0 without one [m]."""
+        return 2.0 * max(self.cylinders[0].bore_radius, self.cylinders[-1].bore_radius)
+
+    @property
+    def overlap(self) -> float:
+        """Of main journal and first pin, negative without overlap [m]."""
+        return 0.5 * (self.main_journal_diameter + self.pin_diameter) - self.crank_radius
 
     def expected_unknowns(self, factor: float, part: str = "auto") -> int:
         """Predict the number of displacement unknowns, as `predict_unknowns` does but more roughly.
@@ -241,6 +290,17 @@ class ImportedThrow:
 
         return try_strategies(mesh_by, attempts, on_remark)
 
+    def read_into(self, gmsh: Any) -> tuple[int, int]:
+        """Read its solid into the current gmsh model, in the throw frame, and return its entity."""
+        tag = read_part(gmsh, self.path)
+        self._move(gmsh, tag)
+        return (3, tag)
+
+    def _move(self, gmsh: Any, tag: int) -> None:
+        occ = gmsh.model.occ
+        occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, self.turned)
+        occ.translate([(3, tag)], 0.0, 0.0, self.shifted)
+
     def placed(self, gmsh: Any, tag: int, part: str) -> PartOfSolid:
         """Turn and shift the file's solid in gmsh into the throw frame, and keep a part of it.
 
@@ -249,10 +309,8 @@ class ImportedThrow:
         MeshError
             If the part cannot be cut out.
         """
-        occ = gmsh.model.occ
-        occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, self.turned)
-        occ.translate([(3, tag)], 0.0, 0.0, self.shifted)
-        occ.synchronize()
+        self._move(gmsh, tag)
+        gmsh.model.occ.synchronize()
         return part_of_solid(
             gmsh, tag, part, self.length, self.surfaces, self.fillets, self.corners
         )
@@ -443,25 +501,30 @@ def _web(name: str, before: Cylinder, after: Cylinder, corners: Array) -> WebPla
 
 @contextmanager
 def opened_part(path: str) -> Iterator[tuple[Any, int]]:
-    """A gmsh session with the file's solid in meters, not yet synchronized.
+    """A gmsh session with the file's solid in meters, not yet synchronized."""
+    with gmsh_session("throw") as gmsh:
+        yield gmsh, read_part(gmsh, path)
+
+
+def read_part(gmsh: Any, path: str) -> int:
+    """Read the file's solid into the current model in meters, and return its number.
 
     The kernel reads it in mm and gmsh scales it: a unit set in the kernel persists for the
     rest of the process, and would change files written later.
     """
-    with gmsh_session("throw") as gmsh:
-        option = gmsh.option
-        before = option.getString(UNIT_OPTION), option.getNumber(SCALE_OPTION)
-        try:
-            option.setString(UNIT_OPTION, "MM")
-            option.setNumber(SCALE_OPTION, 1e-3)
-            made = read_shapes(gmsh, path)
-        finally:
-            option.setString(UNIT_OPTION, before[0])
-            option.setNumber(SCALE_OPTION, before[1])
-        solids = [tag for dimension, tag in made if dimension == 3]
-        if len(solids) != 1:
-            raise InputError(f"{path}: given {len(solids)} solids; allowed is one.")
-        yield gmsh, solids[0]
+    option = gmsh.option
+    before = option.getString(UNIT_OPTION), option.getNumber(SCALE_OPTION)
+    try:
+        option.setString(UNIT_OPTION, "MM")
+        option.setNumber(SCALE_OPTION, 1e-3)
+        made = read_shapes(gmsh, path)
+    finally:
+        option.setString(UNIT_OPTION, before[0])
+        option.setNumber(SCALE_OPTION, before[1])
+    solids = [tag for dimension, tag in made if dimension == 3]
+    if len(solids) != 1:
+        raise InputError(f"{path}: given {len(solids)} solids; allowed is one.")
+    return int(solids[0])
 
 
 def _scaled(plan: SizePlan, factor: float) -> SizePlan:

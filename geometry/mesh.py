@@ -73,6 +73,13 @@ class SolidProperties:
             self.volume * factor**3, self.center * factor, self.second_moments * factor**5
         )
 
+    def turned(self, turn: float, shift: float) -> "SolidProperties":
+        """Return those of a solid turned about z [rad], then moved along it [m]."""
+        cosine, sine = math.cos(turn), math.sin(turn)
+        turning = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        center = turning @ self.center + np.array([0.0, 0.0, shift])
+        return SolidProperties(self.volume, center, turning @ self.second_moments @ turning.T)
+
 
 def check_budget(expected: int, size_factor: float) -> None:
     """Refuse a mesh of too many expected unknowns, for any computer or for the free memory."""

@@ -1,7 +1,7 @@
 """Mesh throws in a separate process, so that a crash of the mesher is contained."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from crankbase.calls import ProcessLostError
 from crankbase.choices import check_kind
@@ -9,6 +9,7 @@ from geometry.gmsh_session import IsolatedProcess, shared_process
 from geometry.mesh import (
     MESHING_STRATEGIES,
     OnRemark,
+    SolidProperties,
     ThrowMesh,
     all_failed,
     checked_part,
@@ -58,6 +59,49 @@ class CadPart(Protocol):
     @property
     def pin_axes(self) -> tuple[tuple[float, float], ...]:
         """Positions (x, y) of the pins' axes [m]."""
+
+    @property
+    def parts(self) -> ThrowParts:
+        """Journals and pins, without webs."""
+
+    @property
+    def solid(self) -> SolidProperties:
+        """In the throw frame."""
+
+    @property
+    def volume(self) -> float:
+        """Of the solid [m^3]."""
+
+    def read_into(self, gmsh: Any) -> tuple[int, int]:
+        """Read its solid into the current gmsh model, in the throw frame."""
+
+    @property
+    def crank_radius(self) -> float:
+        """Of the first pin [m]."""
+
+    @property
+    def pin_diameter(self) -> float:
+        """Of the first pin [m]."""
+
+    @property
+    def pin_length(self) -> float:
+        """Of the first pin [m]."""
+
+    @property
+    def pin_bore(self) -> float:
+        """Of the first pin [m]."""
+
+    @property
+    def main_journal_diameter(self) -> float:
+        """Of the thinner one [m]."""
+
+    @property
+    def main_journal_length(self) -> float:
+        """Both halves [m]."""
+
+    @property
+    def main_journal_bore(self) -> float:
+        """Of the larger one [m]."""
 
     def expected_unknowns(self, factor: float, part: str = "auto") -> int:
         """Predict the number of unknowns."""

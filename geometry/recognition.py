@@ -21,6 +21,7 @@ from geometry.faces import (
 )
 from geometry.gmsh_session import curvature_radius
 from geometry.imported import PLACE_TOLERANCE, ImportedThrow, RequestedFaces, opened_part
+from geometry.mesh import properties_of
 from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
 from geometry.sizes import ROOT_PER_FILLET, SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
@@ -222,6 +223,7 @@ class _Recognition:
             cylinders=cylinders,
             fillets=tuple((zone, tuple(tags)) for zone, tags in fillets.items()),
             corners=tuple((zone, tuple(tags)) for zone, tags in corners.items()),
+            solid=properties_of(gmsh, self._solid).turned(turn, shift),
         )
         return self._symmetric(throw)
 

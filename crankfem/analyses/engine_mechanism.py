@@ -38,6 +38,7 @@ from dynamics.excitation.pressure_map import (
 from dynamics.gas.pressure import GasPressure
 from geometry.crankshaft import throw_masses
 from geometry.mass import MassProperties, unbalance
+from geometry.throw import CrankThrow
 
 
 def load_any(path: str | Path | TomlFile) -> EngineFile | ThrowFile:
@@ -194,6 +195,11 @@ def engine_inputs(engine_file: EngineFile) -> tuple[InputFile, ...]:
     for point in () if gas_map is None else gas_map.points:
         inputs.append(files.named("gas_map.points.pressure_table", point.pressure_table, "tables"))
     inputs += [engine_file.torque_table, engine_file.model_file]
+    inputs += [
+        InputFile(Path(throw.path))
+        for throw in engine_file.named_throws.values()
+        if not isinstance(throw, CrankThrow)
+    ]
     read = [
         file for file in inputs if file
     ]  # how tables are read is told in mappings, which have no hash

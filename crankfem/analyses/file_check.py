@@ -40,6 +40,7 @@ from crankfem.files.sections.engine_sections import Engine, ThrustBearing
 from dynamics.chains.coupling_damping import in_all_conventions
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 from regression.plans.plan import PlannedStudy
 from regression.records import RUN
@@ -154,11 +155,11 @@ class CheckedFile:
     sections: tuple[str, ...]
     commands: tuple[str, ...]
     inputs: tuple[InputRecord, ...]
-    throw: CrankThrow | None = None
+    throw: Throw | None = None
     engine: Arrangement | None = None
     remarks: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
-    throws: dict[str, CrankThrow] = field(default_factory=dict)
+    throws: dict[str, Throw] = field(default_factory=dict)
     material: Material = STEEL
     not_used: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
@@ -246,12 +247,14 @@ def check_record(checked: CheckedFile) -> Record:
     } | ({"throws": throws} if throws else {})
 
 
-def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
+def _throw_record(throw: Throw | None, material: Material) -> Record:
     if throw is None:
         return {"shape": None, "dimensions": None}
     return {
         "shape": throw_shape(throw),
-        "dimensions": [
+        "dimensions": None
+        if not isinstance(throw, CrankThrow)
+        else [
             Dimension(
                 name,
                 field_extra(info, "symbol") or "",
@@ -267,7 +270,7 @@ def _throw_record(throw: CrankThrow | None, material: Material) -> Record:
     }
 
 
-def throw_shape(throw: CrankThrow) -> Shape:
+def throw_shape(throw: Throw) -> Shape:
     """Return what follows from the dimensions."""
     return made_from(throw, Shape, pins=len(throw.parts.pins), solved_part=throw.symmetry)
 
@@ -316,7 +319,7 @@ def _mechanism(read: EngineFile, content: TomlFile) -> CheckedFile:
     )
 
 
-def _lookup(throw: CrankThrow, material: Material) -> tuple[str, ...]:
+def _lookup(throw: Throw, material: Material) -> tuple[str, ...]:
     """The command lookup, where the law covers the throw: then it needs no model."""
     return () if law_results(throw, material).answers is None else ("lookup",)
 

@@ -12,7 +12,9 @@ from crankbase.model import limits_of, range_text
 from crankbase.quantity import format_quantity, parse_quantity
 from crankbase.sentences import amount
 from crankfem.cli import console
+from crankfem.files.sections.crank_throws import with_dimensions
 from fem.material import STEEL, Material
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
@@ -81,7 +83,7 @@ def parse_speed(text: str | None) -> float | None:
 
 def select_throw(
     engine: "str | TomlFile", name: str | None = None, quiet: bool = False, *, alone: bool = True
-) -> tuple[CrankThrow, Material]:
+) -> tuple[Throw, Material]:
     """Select the throw of a name; by default that at the free end, with a note if there are others.
 
     Parameters
@@ -214,7 +216,7 @@ def law_throw(
     if engine is None:
         return CrankThrow(**dimensions), STEEL
     throw, material = select_throw(engine, quiet=quiet)
-    return throw.changed(**dimensions), material
+    return with_dimensions(throw).changed(**dimensions), material
 
 
 def throw_text(throw: CrankThrow) -> list[str]:

@@ -12,7 +12,7 @@ from crankbase.input_file import CSV, LARGEST_TABLE_FILE, InputFile
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import parse_quantity
 from crankfem.files.reading.toml_file import TomlFile
-from crankfem.files.sections.crank_throws import Throws, throw_of_name
+from crankfem.files.sections.crank_throws import Throws, throw_of_name, with_dimensions
 from fem.material import Material
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.throw import CrankThrow
@@ -304,7 +304,7 @@ def study_plan(
     if values is None:
         return None
     section = StudySection.from_text(values)
-    throw = throw_of_name(throws, section.throw, "study.throw", default)
+    throw = with_dimensions(throw_of_name(throws, section.throw, "study.throw", default))
     factors, rows = _factors(section.factors, throw), None
     if section.file is not None:
         factors, rows = read_design(content.files.named("study.file", section.file), factors, throw)

@@ -16,6 +16,7 @@ from crankbase.processes import scratch_folder
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.analyses.throw.pictures.stress_picture import write_vtu
+from crankfem.files.sections.crank_throws import dimensioned
 from crankfem.jobs.exit_codes import TRACEBACK, describe_error
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_files import MESH_FILE, PICTURES
@@ -209,10 +210,12 @@ def draw_run(
     pictures = Pictures(folder / PICTURES, note)
     engine_file, first = computed.engine_file, computed.throw
     name = engine_file.engine.name
-    pictures.draw_one("drawing", lambda path: write_drawing(engine_file.throw, path, name))
-    for throw_name in list(computed.throws)[1:]:
-        throw, title = engine_file.named_throws[throw_name], f"{name}, throw {throw_name}"
-        pictures.draw_one(f"drawing-{throw_name}", partial(write_drawing, throw, title=title))
+    known = dimensioned(engine_file.named_throws)
+    for place, throw_name in enumerate(computed.throws):
+        if throw_name in known:
+            ending, of_throw = (f"-{throw_name}", f", throw {throw_name}") if place else ("", "")
+            draw = partial(write_drawing, known[throw_name], title=name + of_throw)
+            pictures.draw_one(f"drawing{ending}", draw)
     pictures.plot_one("throw_view", lambda place: throw_view(place, first.analysis, first.stresses))
     if computed.mechanism is not None:
         pictures.draw(MECHANISM, computed.mechanism)

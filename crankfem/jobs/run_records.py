@@ -31,6 +31,7 @@ from crankfem.analyses.throw.formula_records import (
 from crankfem.analyses.throw.stress import stress_results
 from crankfem.analyses.throw.throw_record import UNIT_RADIAL_FORCE, reciprocity, throw_results
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.crank_throws import with_dimensions
 from crankfem.jobs.run_computation import RunComputation, RunInputs
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
@@ -131,7 +132,7 @@ def _formulas(computed: RunComputation, name: str, analysis: ThrowAnalysis) -> F
     values, without = {}, []
     for kind, response in RESPONSES.items():
         try:
-            value = throw_lookup(model, response, throw, material).value
+            value = throw_lookup(model, response, with_dimensions(throw), material).value
         except InputError as error:
             reason = f"regression of {source}, {kind}: {str(error).rstrip('.')}"
             without.append(LeftOut("regression", reason))

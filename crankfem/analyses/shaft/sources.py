@@ -20,9 +20,11 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import data_folder
 from crankfem.files.reading.toml_file import TomlFile
+from crankfem.files.sections.crank_throws import with_dimensions
 from crankfem.files.sections.engine_sections import VibrationSettings
 from dynamics.assessment.uncertainty import Spread
 from fem.material import Material
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.case import FormulaValue
@@ -40,19 +42,19 @@ Answer = TypeVar("Answer")
 
 def _of_each_throw(
     engine_file: EngineFile, look_up: Callable[[CrankThrow], Answer]
-) -> dict[CrankThrow, Answer]:
+) -> dict[Throw, Answer]:
     """Look something up for each distinct throw of an engine; an error names the throw."""
-    answers: dict[CrankThrow, Answer] = {}
+    answers: dict[Throw, Answer] = {}
     for name, throw in engine_file.named_throws.items():
         try:
-            answers[throw] = look_up(throw)
+            answers[throw] = look_up(with_dimensions(throw))
         except InputError as error:
             which = f"throw {name}" if engine_file.throws_by_name else "this throw"
             raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
     return answers
 
 
-def law_values(engine_file: EngineFile, quantity: str) -> dict[CrankThrow, LawAnswer]:
+def law_values(engine_file: EngineFile, quantity: str) -> dict[Throw, LawAnswer]:
     """Find a compliance, ends pinned, of each distinct throw of an engine by the law.
 
     Parameters
@@ -119,7 +121,7 @@ def throw_lookup(
 
 def throw_lookups(
     engine_file: EngineFile, model: "ComplianceModel", response: str
-) -> "dict[CrankThrow, Lookup]":
+) -> "dict[Throw, Lookup]":
     """Look a compliance up for each distinct throw of an engine.
 
     Raises
@@ -336,7 +338,7 @@ def _looked_up(
     name: str,
     ratios: Array,
     engine_file: EngineFile,
-    look_up: "Callable[[], Mapping[CrankThrow, Lookup | LawAnswer]]",
+    look_up: "Callable[[], Mapping[Throw, Lookup | LawAnswer]]",
 ) -> tuple[Array, str]:
     """Looked-up values of each throw in the shaft; NaN where a throw has none."""
     try:
@@ -356,14 +358,14 @@ def neighbor_angles(throw_angles_deg: Sequence[float]) -> list[tuple[float, floa
 
 
 def axial_by_formulas(
-    throws: Sequence[CrankThrow], throw_angles_deg: Sequence[float], material: Material
+    throws: Sequence[Throw], throw_angles_deg: Sequence[float], material: Material
 ) -> Sources:
     """Formula values of each throw [m/N]: the mean of those at the angles to both neighbors.
 
     Parameters
     ----------
-    throws : sequence of CrankThrow
-        Of the cranks, from the free end.
+    throws : sequence of CrankThrow or ImportedThrow
+        Of the cranks, from the free end; formulas have no values if one is from a file.
     throw_angles_deg : sequence of float
         Those of the cranks [deg].
     """
@@ -373,11 +375,14 @@ def axial_by_formulas(
         return axial_formulas(throw, gap, material=material)
 
     # Of each throw: the angles to its neighbors, and the formulas at both.
+    known = _all_dimensioned(throws)
     sides = [
         [(gap, formulas(throw, gap)) for gap in beside]
-        for throw, beside in zip(throws, neighbor_angles(throw_angles_deg), strict=True)
+        for throw, beside in zip(known, neighbor_angles(throw_angles_deg), strict=False)
     ]
     sources: Sources = {}
+    if not known:
+        return sources
     for name in sides[0][0][1]:
         values = np.array([[table[name].value for _, table in beside] for beside in sides])
         wrong = {
@@ -394,13 +399,20 @@ def axial_by_formulas(
     return sources
 
 
-def torsional_by_formulas(throws: Sequence[CrankThrow], material: Material) -> Sources:
+def _all_dimensioned(throws: Sequence[Throw]) -> list[CrankThrow]:
+    """Return throws of dimensions; none if one is from a file, for formulas know it not."""
+    known = [throw for throw in throws if isinstance(throw, CrankThrow)]
+    return known if len(known) == len(throws) else []
+
+
+def torsional_by_formulas(throws: Sequence[Throw], material: Material) -> Sources:
     """Formula values of each throw [rad/(N m)]; arguments as `axial_by_formulas`."""
-    tables = {
-        throw: torsional_formulas(throw, material=material) for throw in dict.fromkeys(throws)
-    }
+    known = _all_dimensioned(throws)
+    tables = {throw: torsional_formulas(throw, material=material) for throw in dict.fromkeys(known)}
+    if not known:
+        return {}
     remark = "the same for every throw" if len(tables) == 1 else "by each throw's own dimensions"
-    each = [tables[throw] for throw in throws]
+    each = [tables[throw] for throw in known]
     wrong = f"{remark}; does not apply{'' if len(tables) == 1 else ' to every throw'}"
     return {
         name: (
@@ -518,7 +530,7 @@ def _row(
     engine_file: EngineFile,
     kind: str,
     source: str,
-    throws: Sequence[CrankThrow],
+    throws: Sequence[Throw],
     material: Material,
 ) -> float:
     """Sum of the compliances by a formula along the shaft, of these throws at the engine's cranks."""
@@ -547,7 +559,10 @@ def analyzed_throws() -> tuple[AnalyzedThrow, ...]:
     for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")):
         name, *numbers = row.values()
         in_line, opposite, ratio, torsional, error = map(float, numbers)
+        throw, material = load_throw(name)
         throws.append(
-            AnalyzedThrow(*load_throw(name), (in_line, opposite, ratio), torsional, error)
+            AnalyzedThrow(
+                with_dimensions(throw), material, (in_line, opposite, ratio), torsional, error
+            )
         )
     return tuple(throws)

@@ -55,7 +55,7 @@ from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from fem.modes import DynamicSuperelement
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 # Share of critical damping that belongs to the assumed magnifier.
 ASSUMED_RATIO = 0.5 / DEFAULT_MAGNIFIER
@@ -469,7 +469,7 @@ def highest_exciting_frequency(engine_file: EngineFile) -> float:
 
 
 def shaft_throws(
-    superelement: DynamicSuperelement, throw: CrankThrow, *, crank_angles_deg: Sequence[float]
+    superelement: DynamicSuperelement, throw: Throw, *, crank_angles_deg: Sequence[float]
 ) -> list[ShaftThrow]:
     """Return throws at their crank angles, ready to be assembled.
 

@@ -23,6 +23,7 @@ from crankfem.analyses.strength.cycle_loads import (
 )
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.crank_throws import dimensioned, with_dimensions
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.response.loads import section_modulus
 from dynamics.strength.concentration import (
@@ -373,9 +374,10 @@ def strength_remarks(
         )
     if section.oil_hole_diameter is not None and section.oil_hole_angle is None:
         yield "the oil hole's outlet is assumed where the pin's bending stress is largest"
-    if any(throw.pin_bore_offset or throw.main_journal_bore_offset for throw in file.crank_throws):
+    known = dimensioned(file.named_throws).values()
+    if any(throw.pin_bore_offset or throw.main_journal_bore_offset for throw in known):
         yield "eccentric bores are treated as concentric"
-    if any(web.slopes for throw in file.crank_throws for web in throw.parts.webs):
+    if any(web.slopes for throw in known for web in throw.parts.webs):
         yield "tapered webs are used with their full thickness"
     if any(web.overlap < 0.0 for web in webs):
         yield (
@@ -685,7 +687,8 @@ def _throw(
     throw_stresses: FilletStresses | None,
 ) -> ThrowStrength:
     """Judge all locations of a throw, counted from 0 at the free end."""
-    section, throw, number = file.strength, file.crank_throws[place_along], place_along + 1
+    section, number = file.strength, place_along + 1
+    throw = with_dimensions(file.crank_throws[place_along])
     assert section is not None  # or nothing would be judged
     fit = shrink_fit(throw, section, loads.passed_on[place_along], file.material.youngs_modulus)
     webs = throw_webs(throw, section)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -30,6 +31,7 @@ from fem.angle_law import AngleNumbers, is_symmetric
 from fem.material import STEEL, Material
 from fem.plots import ANGLES_DEG
 from fem.supports import Neighbors
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
 from regression.formulas.case import FormulaValue
@@ -133,13 +135,19 @@ class EngineFormulas(Result):
 
 
 def formulas_of(
-    throw: CrankThrow,
+    throw: Throw,
     material: Material,
     gamma_deg: float = 180.0,
     variant: str = "corrected",
     constants: Mapping[str, float] | None = None,
 ) -> Formulas:
-    """Evaluate all published formulas for a throw; arguments and errors as of `axial_formulas`."""
+    """Evaluate all published formulas for a throw; arguments and errors as of `axial_formulas`.
+
+    Of a throw from a file none is evaluated.
+    """
+    if not isinstance(throw, CrankThrow):
+        reason = f"formulas take dimensions, which {Path(throw.path).name} does not give"
+        return Formulas((), (), None, (LeftOut("formulas", reason),))
     axial = axial_formulas(
         throw, gamma_deg, material=material, variant=variant, constants=constants
     )
@@ -350,19 +358,20 @@ class CompliancesOverAngle(Result):
 
 
 def compliances_over_angle(
-    throw: CrankThrow, analysis: ThrowAnalysis, law: AngleNumbers | None
+    throw: Throw, analysis: ThrowAnalysis, law: AngleNumbers | None
 ) -> CompliancesOverAngle:
     """Return the axial compliances by finite elements and formulas over the angle."""
     tables = [
         axial_formulas(throw, gamma, material=analysis.material)
         for gamma in ANGLES_SHOWN_DEG.tolist()
+        if isinstance(throw, CrankThrow)
     ]
     return CompliancesOverAngle(
         gamma_deg=ANGLES_SHOWN_DEG,
         fe=np.array(fe_axial_curve(analysis, ANGLES_SHOWN_DEG.tolist())),
         formulas={
             name: tuple(table[name].value if table[name].value > 0.0 else None for table in tables)
-            for name in tables[0]
+            for name in (tables[0] if tables else ())
         },
         law=law,
     )

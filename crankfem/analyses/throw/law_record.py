@@ -10,7 +10,9 @@ from crankbase.quantity import percent
 from crankbase.results import Quantity, Result, result
 from crankbase.sentences import kept
 from crankbase.table import SI, OutputUnits
+from crankfem.files.sections.crank_throws import with_dimensions
 from fem.material import Material
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import AxialLaw, TorsionalLaw, throw_laws
@@ -45,7 +47,7 @@ class LawAnswer(Result):
 
 
 def law_answers(
-    throw: CrankThrow, material: Material, gamma_deg: float | None = None
+    throw: Throw, material: Material, gamma_deg: float | None = None
 ) -> dict[str, LawAnswer]:
     """Values of the law for a throw, with their bands.
 
@@ -66,7 +68,9 @@ def law_answers(
         If the law does not cover the throw or its material.
     """
     axial, torsional = throw_laws(
-        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
+        with_dimensions(throw),
+        youngs_modulus=material.youngs_modulus,
+        poisson_ratio=material.poisson_ratio,
     )
     answers = end_answers(axial, torsional)
     return answers if gamma_deg is None else answers | neighbor_answers(axial, gamma_deg)
@@ -121,9 +125,7 @@ class LawResults(Result):
         )
 
 
-def law_results(
-    throw: CrankThrow, material: Material, gamma_deg: float | None = None
-) -> LawResults:
+def law_results(throw: Throw, material: Material, gamma_deg: float | None = None) -> LawResults:
     """Return `law_answers`, or why there are none."""
     try:
         return LawResults(law_answers(throw, material, gamma_deg), None)

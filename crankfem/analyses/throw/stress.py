@@ -29,6 +29,7 @@ from fem.fillet_peaks import (
     ReadingQuality,
 )
 from fem.material import Material
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 
 # Of the largest stresses: enough to compare fillets and to see which is the weakest.
@@ -38,7 +39,7 @@ KINDS_SHOWN = ("radial", "torsion")
 
 
 def stresses_or_reason(
-    throw: CrankThrow, material: Material, mesh: fillet_stress.FilletMesh = "adaptive"
+    throw: Throw, material: Material, mesh: fillet_stress.FilletMesh = "adaptive"
 ) -> tuple[FilletStresses | None, str | None]:
     """Compute the stresses at a throw's fillets; if impossible, the other results remain.
 

@@ -26,7 +26,7 @@ from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import PeakCause, peak_cause
 from dynamics.response.series import OrderSeries
 from fem.superelement import ShaftCompliances
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +206,7 @@ def first_places(series: OrderSeries, count: int) -> OrderSeries:
     return replace(series, values=series.values[:, :, :count], names=series.names[:count])
 
 
-def nominal_section_modulus(throw: CrankThrow) -> float:
+def nominal_section_modulus(throw: Throw) -> float:
     """Section modulus of the weaker of main journal and crankpin in torsion [m^3]."""
     moduli = section_modulus(
         "torsional",

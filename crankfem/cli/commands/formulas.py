@@ -112,9 +112,11 @@ def formulas(
 def _values(engine: str, asked: _Request) -> "Formulas":
     from crankfem.analyses.throw.formula_records import by_elements, formulas_of
     from crankfem.cli.arguments import select_throw
+    from crankfem.files.sections.crank_throws import with_dimensions
     from fem.analysis import analyze_throw
 
-    dimensions, material = select_throw(engine, asked.throw, asked.out.quiet)
+    throw, material = select_throw(engine, asked.throw, asked.out.quiet)
+    dimensions = with_dimensions(throw)
     values = formulas_of(dimensions, material, asked.gamma, asked.variant, asked.constants)
     if asked.fe:
         fe = by_elements(analyze_throw(dimensions, material), asked.gamma)
@@ -167,6 +169,7 @@ def _all_engines(asked: _Request) -> None:
     from crankfem.cli.tables import throw_tables
     from crankfem.files.engine.throw_file import load_throw
     from crankfem.files.reading.data_files import shipped_names
+    from crankfem.files.sections.crank_throws import with_dimensions
 
     if not asked.fe:
         raise InputError(
@@ -174,7 +177,11 @@ def _all_engines(asked: _Request) -> None:
             "with finite elements."
         )
     spreads = spread_of_engines(
-        [(name, *load_throw(name)) for name in shipped_names("engine")],
+        [
+            (name, with_dimensions(throw), material)
+            for name in shipped_names("engine")
+            for throw, material in [load_throw(name)]
+        ],
         functools.partial(
             engine_spread, gamma_deg=asked.gamma, variant=asked.variant, constants=asked.constants
         ),

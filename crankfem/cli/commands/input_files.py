@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +14,9 @@ from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json, print_table
 from crankfem.files.reading.data_files import input_kinds
 from crankfem.files.satellites import satellite_files
+
+if TYPE_CHECKING:
+    from geometry.mesher import Throw
 
 
 @with_output(files=True, units=True)
@@ -42,6 +45,7 @@ def check(
     record = check_record(checked)
     if picture is not None:
         from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
+        from crankfem.files.sections.crank_throws import with_dimensions
         from crankfem.jobs.outputs import check_writable
 
         if checked.throw is None:
@@ -51,7 +55,9 @@ def check(
             )
         check_drawing_ending(picture)
         check_writable(picture, "picture", checked.path)
-        record["picture"] = str(write_drawing(checked.throw, picture, checked.path.stem))
+        record["picture"] = str(
+            write_drawing(with_dimensions(checked.throw), picture, checked.path.stem)
+        )
     if out.json:
         print_json(record)
         return
@@ -148,7 +154,7 @@ def new(
     if os.path.lexists(file) and not out.force:
         raise InputError(f"{file}: exists already; give a new file name, or --force to replace it.")
     check_writable(file, "input file")
-    throw = None
+    throw: Throw | None = None
     if drawing is not None:
         from crankfem.analyses.file_check import check_file
         from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
@@ -192,7 +198,9 @@ def new(
         write_user_file(file, copied.path.read_bytes())
     command = f"crankfem {NEXT[kind]} {file}"
     if drawing is not None and throw is not None:
-        write_drawing(throw, drawing, file.stem, lettered=True)
+        from crankfem.files.sections.crank_throws import with_dimensions
+
+        write_drawing(with_dimensions(throw), drawing, file.stem, lettered=True)
     if out.json:
         print_json({"file": str(file), "from": source, "kind": kind, "next": command})
         return

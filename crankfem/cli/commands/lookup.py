@@ -88,9 +88,11 @@ def lookup(
         loaded = ComplianceModel.load(model)
         asked: dict[str, Any] = {}
         if throw is not None:
+            from crankfem.files.sections.crank_throws import with_dimensions
+
             of_file, material = arguments.select_throw(throw, quiet=out.quiet)
             loaded = loaded.of_material(material)
-            asked |= loaded.dimensions_of(of_file)
+            asked |= loaded.dimensions_of(with_dimensions(of_file))
         asked |= arguments.model_dimensions(loaded, dimensions or [])
         without_law = set() if angle is None else _without_angle_law(loaded, angle)
         answers, refused = loaded.look_all_up(gamma_deg=angle, strict=strict, **asked)

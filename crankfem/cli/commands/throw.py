@@ -295,6 +295,7 @@ def export(
     from crankfem.cli.arguments import select_throw
     from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
+    from crankfem.files.sections.crank_throws import with_dimensions
     from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
     from geometry.mesher import mesh_isolated
@@ -324,7 +325,7 @@ def export(
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
         check_writable(file, "solid", content.path)
         crankshaft = load_crankshaft(content) if shaft else None
-        write_step(crankshaft or throw, file, part)
+        write_step(crankshaft or with_dimensions(throw), file, part)
         if crankshaft is not None and crankshaft.remarks:
             record["remarks"] = list(crankshaft.remarks)
     else:
@@ -389,7 +390,9 @@ def draw(
     from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
     from crankfem.files.reading.data_files import input_path
+    from crankfem.files.sections.crank_throws import with_dimensions
     from crankfem.jobs.outputs import check_distinct_files, check_writable
+    from geometry.throw import CrankThrow
 
     source = input_path(engine)
     of = "throw" if name is None else f"throw-{name}"
@@ -404,7 +407,9 @@ def draw(
     dimensions, _ = select_throw(content, name, out.quiet, alone=shaft is None)
     crankshaft = load_crankshaft(content) if shaft else None
     title = _title(content) if name is None else f"{_title(content)}, throw {name}"
-    files = [write_drawing(dimensions, drawing, title)]
+    files = []
+    if isinstance(dimensions, CrankThrow) or not (picture or shaft):
+        files.append(write_drawing(with_dimensions(dimensions), drawing, title))
     if picture:
         files.append(picture_throw(dimensions, picture))
     if shaft and crankshaft:

@@ -328,6 +328,8 @@ def check_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str
         )
         yield from _notes(shape.remarks, units)
         yield Main(law.sentence(units))
+        if dimensions is None:
+            continue
         yield Table.of_records(
             title,
             dimensions,

@@ -17,6 +17,7 @@ from crankbase.model import InputModel, field_extra
 from crankbase.quantity import format_quantity
 from crankfem.files.reading.toml_file import InputRecord
 from crankfem.files.reading.toml_text import field_value
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 
 SOURCE = "changed in Python"
@@ -45,7 +46,7 @@ def section_kinds(owner: type[Any]) -> dict[str, tuple[type[InputModel], bool]]:
     return kinds
 
 
-def changed_section(owner: object, name: str, section_or_values: object) -> InputModel | None:
+def changed_section(owner: object, name: str, section_or_values: object) -> Any:
     """Return a section of a file with its changes.
 
     Parameters
@@ -68,9 +69,11 @@ def changed_section(owner: object, name: str, section_or_values: object) -> Inpu
     if isinstance(section_or_values, Mapping):
         section = getattr(owner, name)
         return (
-            kind(**section_or_values) if section is None else section.changed(**section_or_values)
+            kind(**section_or_values)
+            if section is None
+            else changed_fields(name, section, section_or_values)
         )
-    if not isinstance(section_or_values, kind):
+    if not isinstance(section_or_values, Throw if name == "throw" else kind):
         raise InputError(
             f"{name}: given {section_or_values!r}; allowed are fields with their values, such as "
             f"{{{next(iter(kind.model_fields))!r}: ...}}, or a whole section of the type {kind.__name__}."
@@ -78,7 +81,17 @@ def changed_section(owner: object, name: str, section_or_values: object) -> Inpu
     return section_or_values
 
 
-def changed_throws(throws: Mapping[str, CrankThrow], new: object) -> dict[str, CrankThrow]:
+def changed_fields(section: str, before: object, values: Mapping[str, Any]) -> Any:
+    """Return a record with some fields changed; a throw from a STEP file has none."""
+    if isinstance(before, InputModel):
+        return before.changed(**values)
+    raise InputError(
+        f"{section}: given fields of a throw from a STEP file; allowed is a whole CrankThrow, or what "
+        "import_throw returns, because such a throw has no dimensions to change."
+    )
+
+
+def changed_throws(throws: Mapping[str, Throw], new: object) -> dict[str, Throw]:
     """Return named throws with changes to some of them.
 
     Parameters
@@ -97,10 +110,14 @@ def changed_throws(throws: Mapping[str, CrankThrow], new: object) -> dict[str, C
     for name, change in new.items():
         if change is None:
             made.pop(name, None)
-        elif isinstance(change, CrankThrow):
+        elif isinstance(change, Throw):
             made[name] = change
         elif isinstance(change, Mapping):
-            made[name] = throws[name].changed(**change) if name in throws else CrankThrow(**change)
+            made[name] = (
+                changed_fields(f"throws.{name}", throws[name], change)
+                if name in throws
+                else CrankThrow(**change)
+            )
         else:
             raise InputError(
                 f"throws.{name}: given {change!r}; allowed are fields with their new, a whole CrankThrow, "
@@ -109,12 +126,15 @@ def changed_throws(throws: Mapping[str, CrankThrow], new: object) -> dict[str, C
     return made
 
 
-def changes(
-    before: InputModel | None, after: InputModel | None, section: str | None = None
-) -> tuple[Change, ...]:
-    """Return the differences between two records of one section, which may have a name of its own."""
+def changes(before: object, after: object, section: str | None = None) -> tuple[Change, ...]:
+    """Return the differences between two records of one section, which may have a name of its own.
+
+    A throw from a STEP file is no record, and has none.
+    """
     some = after or before
-    return () if some is None else tuple(_changes(section or type(some).section, before, after))
+    if not isinstance(some, InputModel):
+        return ()
+    return tuple(_changes(section or type(some).section, before, after))
 
 
 def without_changed(
@@ -143,7 +163,7 @@ def without_changed(
     return tuple(kept), remaining
 
 
-def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[Change]:
+def _changes(prefix: str, before: object, after: object) -> Iterator[Change]:
     kind = type(after or before)
     assert issubclass(kind, InputModel)
     for name, info in kind.model_fields.items():
@@ -175,7 +195,7 @@ def _format_change(value: object, unit: str | None) -> str:
 
 # Fields that name files in the folder of theirs.
 FILE_FIELDS = re.compile(
-    r"torque\.table|gas\.pressure_table|gas_map\.points\[\d+\]\.pressure_table|vibration\.model|study\.file"
+    r"torque\.table|throw\.file|throws\.[\w-]+\.file|gas\.pressure_table|gas_map\.points\[\d+\]\.pressure_table|vibration\.model|study\.file"
     r"|shaft_line\.(torsional|axial|plant)"
 )
 
@@ -195,7 +215,7 @@ def changed_content(content: Mapping[str, Any], before: Any, after: Any) -> Tabl
     made = dict(content)
     changes = _Changes(before.provenance, after.provenance, tuple(after.sources))
     for name, (kind, _) in section_kinds(type(after)).items():
-        if name == "throw" and after.throws_by_name:
+        if name == "throw" and (after.throws_by_name or after.throw == before.throw):
             continue
         section, old, new = kind.section, getattr(before, name), getattr(after, name)
         if new is None:

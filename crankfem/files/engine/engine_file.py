@@ -57,10 +57,12 @@ from crankfem.files.reading.toml_text import toml_text
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     ShaftLayout,
+    dimensioned,
     free_end_throw_name,
     read_throws,
     throw_names,
     throws_along_shaft,
+    with_dimensions,
 )
 from crankfem.files.sections.engine_sections import (
     Engine,
@@ -91,13 +93,14 @@ from dynamics.excitation.pressure_map import EnginePower, indicated_power
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
 from geometry.crankshaft import Crankshaft, ShaftEnds, throw_starts
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from regression.plans.plan import StudyPlan
 
+THROWS = ("throw", "throws")
 Section = TypeVar("Section", bound=InputModel)
 Calculated = TypeVar("Calculated")
 
@@ -178,6 +181,24 @@ def check_variations(file: "EngineFile") -> None:
         )
 
 
+def check_cad(file: "EngineFile") -> None:
+    """Refuse what needs the dimensions of throws, for throws from CAD files."""
+    if len(dimensioned(file.named_throws)) == len(file.named_throws):
+        return
+    sources = {
+        f"vibration.{kind}_source": getattr(file.vibration, f"{kind}_source")
+        for kind in ("axial", "torsional")
+    }
+    wrong = {name: source for name, source in sources.items() if source not in ("fe", "fe pinned")}
+    if file.strength is not None:
+        wrong["strength"] = "the rule UR M53"
+    for name, given in wrong.items():
+        raise InputError(
+            f"{name}: given {given} for throws from STEP files; allowed are finite elements, because "
+            "formulas take dimensions of webs, which such a throw does not have."
+        )
+
+
 # What is taken for a section that is not there.
 DEFAULTS = {"material": STEEL, "shaft_ends": ShaftEnds(), "vibration": VibrationSettings()}
 
@@ -221,7 +242,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
 
     files: InputFiles
     engine: Engine
-    throw: CrankThrow
+    throw: Throw
     material: Material
     rod: Rod
     piston: Piston
@@ -253,7 +274,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
     records: tuple[InputRecord, ...]
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
-    throws_by_name: dict[str, CrankThrow] = field(default_factory=dict)
+    throws_by_name: dict[str, Throw] = field(default_factory=dict)
     text: str = field(default="", repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -277,7 +298,10 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         check_plant(self)
         check_variations(self)
         check_highest_order(self.vibration, self.engine)
-        check_strength(self.strength, self.crank_throws, self.gas or self.gas_map)
+        check_cad(self)
+        check_strength(
+            self.strength, tuple(dimensioned(self.named_throws).values()), self.gas or self.gas_map
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what follows from the sections where an engine is copied or sent."""
@@ -336,7 +360,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         return tuple(self.engine.turning_sense * angle for angle in self.throw_angles_deg)
 
     @cached_property
-    def named_throws(self) -> Mapping[str, CrankThrow]:
+    def named_throws(self) -> Mapping[str, Throw]:
         """The distinct throws by name; that of a plain file has the name "throw"."""
         return MappingProxyType(dict(self.throws_by_name) or {PLAIN: self.throw})
 
@@ -346,7 +370,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         return throw_names(self.named_throws, self.shaft, len(self.throw_angles_deg))
 
     @cached_property
-    def crank_throws(self) -> tuple[CrankThrow, ...]:
+    def crank_throws(self) -> tuple[Throw, ...]:
         """Throw of each crank, from the free end."""
         return tuple(self.named_throws[name] for name in self.throw_names)
 
@@ -565,9 +589,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
         with write_errors(path):
             return write_text(path, head + toml_text(moved), "input file")
 
-    def _study_of(
-        self, throws: Mapping[str, CrankThrow], made: Mapping[str, Any]
-    ) -> "StudyPlan | None":
+    def _study_of(self, throws: Mapping[str, Throw], made: Mapping[str, Any]) -> "StudyPlan | None":
         """The study with the changed throw and material; None without its throw."""
         study = self.study
         if study is None:
@@ -579,7 +601,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
             return None
         material = made.get("material", self.material)
         if (throws[name], material) != (study.throw, study.material):
-            study = replace(study, throw=throws[name], material=material)
+            study = replace(study, throw=with_dimensions(throws[name]), material=material)
         return study
 
 
@@ -613,8 +635,8 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
-    models = {name: section.model for name, section in SECTIONS.items() if name != "throws"}
-    with content.all_errors(models, {"throws": read_throws}):
+    models = {name: section.model for name, section in SECTIONS.items() if name not in THROWS}
+    with content.all_errors(models, dict.fromkeys(THROWS, read_throws)):
         check_sections(content)
         return _read_engine(content, [part.name for part in fields(EngineFile)])
 
@@ -635,8 +657,8 @@ def load_mechanism(path: str | Path | TomlFile) -> EngineFile:
         With a sentence for each wrong field, which names it, what was given and what is allowed.
     """
     content = engine_sections(path)
-    models = {name: SECTIONS[name].model for name in MECHANISM_PARTS if name != "throw"}
-    with content.all_errors(models | {"throw": SECTIONS["throw"].model}, {"throws": read_throws}):
+    models = {name: SECTIONS[name].model for name in MECHANISM_PARTS if name not in THROWS}
+    with content.all_errors(models, dict.fromkeys(THROWS, read_throws)):
         check_sections(content, ("engine", "throw", "rod", "piston"))
         mechanism = _read_engine(content, MECHANISM_PARTS)
         _ = mechanism.layout, mechanism.pressure  # which refuse what cannot be
@@ -652,7 +674,7 @@ MECHANISM_PARTS = (
 
 def _read_engine(content: TomlFile, parts: Sequence[str]) -> EngineFile:
     """Read some sections of a file, in this order, which their records keep; others are missing."""
-    throws: dict[str, CrankThrow] = {}
+    throws: dict[str, Throw] = {}
     kinds = section_kinds(EngineFile)
     sections: dict[str, Any] = {name: DEFAULTS.get(name) for name in kinds}
     sections |= {"torque_table": None, "shaft_lines": {}}

@@ -26,7 +26,7 @@ from dynamics.engine.layout import (
 )
 from dynamics.engine.rods import ConnectingRod
 from geometry.crankshaft import throw_starts
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 # Inertia of a rod beside that of two masses at its pins, from light to heavy ends.
 USUAL_INERTIA = (0.7, 1.2)
@@ -58,7 +58,7 @@ def angles_of_throws(
 
 
 def pins_of(
-    engine: Engine, throw: CrankThrow, throws: Sequence[int], hinged: HingedRods | None
+    engine: Engine, throw: Throw, throws: Sequence[int], hinged: HingedRods | None
 ) -> tuple[int, ...]:
     """Return the pin that each cylinder works on, from 0, counted along the shaft.
 
@@ -79,7 +79,7 @@ def pins_of(
 
 def engine_cylinders(
     engine: Engine,
-    crank_throws: Sequence[CrankThrow],
+    crank_throws: Sequence[Throw],
     rod: Rod,
     piston: Piston,
     hinged: HingedRods | None,
@@ -136,7 +136,7 @@ def engine_layout(engine: Engine, cylinders: Sequence[EngineCylinder]) -> Engine
 
 
 def check_sizes(
-    engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston, section: str = "throw"
+    engine: Engine, throw: Throw, rod: Rod, piston: Piston, section: str = "throw"
 ) -> None:
     """Refuse cranks, rods and pin offsets that contradict each other; the section names the throw."""
     radius = throw.crank_radius
@@ -191,7 +191,7 @@ def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
     return remarks
 
 
-def side_by_side(throw: CrankThrow, throws: Sequence[int], hinged: HingedRods | None) -> bool:
+def side_by_side(throw: Throw, throws: Sequence[int], hinged: HingedRods | None) -> bool:
     """Return whether several rods share a pin."""
     carried = set() if hinged is None else {number - 1 for number in hinged.cylinders}
     on_pins = [pin for place, pin in enumerate(throws) if place not in carried]
@@ -231,7 +231,7 @@ def _rod(section: Rod | HingedRods) -> ConnectingRod:
 
 def _positions(
     engine: Engine,
-    crank_throws: Sequence[CrankThrow],
+    crank_throws: Sequence[Throw],
     throws: Sequence[int],
     throw_angles: Sequence[float],
     main_of: dict[int, int],

@@ -22,14 +22,14 @@ from crankfem.files.sections.crank_throws import (
     throws_along_shaft,
 )
 from fem.material import STEEL, Material
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 if TYPE_CHECKING:
     from geometry.crankshaft import Crankshaft
     from regression.plans.plan import StudyPlan
 
 
-def load_throw(path: str | Path | TomlFile, name: str | None = None) -> tuple[CrankThrow, Material]:
+def load_throw(path: str | Path | TomlFile, name: str | None = None) -> tuple[Throw, Material]:
     """Read only a throw and its material from an engine or study file.
 
     Parameters
@@ -99,15 +99,15 @@ class ThrowFile:
     ----------
     throws : dict
         Its throws by name; "throw" is that of a plain file.
-    throw : CrankThrow
+    throw : CrankThrow or ImportedThrow
         The first of them along the shaft.
     records : tuple of InputRecord
         Every value with its source.
     """
 
     path: Path
-    throws: dict[str, CrankThrow]
-    throw: CrankThrow
+    throws: dict[str, Throw]
+    throw: Throw
     material: Material
     records: tuple[InputRecord, ...]
 
@@ -153,7 +153,7 @@ def load_crankshaft(path: str | Path | TomlFile) -> "Crankshaft":
                 f"{content.path.name}: the angles of the throws are missing; allowed is throw_angles in a "
                 "section [shaft], or crank_angles in [engine]."
             )
-        pins = 1 + max(len(throw.further_pins) for throw in throws.values())
+        pins = max(len(throw.pin_axes) for throw in throws.values())
         if pins > 1:
             raise InputError(
                 f"{content.path.name}: a throw has {pins} pins, so the crank angles "
@@ -182,10 +182,11 @@ def load_study(path: str | Path | TomlFile | Mapping[str, Any]) -> "StudyPlan":
     return plan
 
 
-def _throws(path: str | Path | TomlFile, *needed: str) -> tuple[TomlFile, dict[str, CrankThrow]]:
+def _throws(path: str | Path | TomlFile, *needed: str) -> tuple[TomlFile, dict[str, Throw]]:
     """Sections of a file with a throw and other required sections, and its throws by name."""
     content = engine_sections(path)
-    with content.all_errors({"throw": CrankThrow, "material": Material}, {"throws": read_throws}):
+    readers = {"throw": read_throws, "throws": read_throws}
+    with content.all_errors({"material": Material}, readers):
         check_sections(content, ["throw", *needed])
         return content, read_throws(content)
 

@@ -12,7 +12,7 @@ from crankfem.files.engine.file_kinds import any_sections, engine_sections, file
 from crankfem.files.engine.throw_file import tables_of_throws, unused_throws
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.satellites import at_place, called, uses_of_satellites
-from crankfem.files.sections.crank_throws import PLAIN, read_throws
+from crankfem.files.sections.crank_throws import PLAIN, dimensioned, read_throws
 
 # Sections and fields that a command uses, and those that it does not.
 Use = tuple[tuple[str, ...], tuple[str, ...]]
@@ -226,7 +226,7 @@ def _without_effect(
         yield "engine.crank_angles"
     if command.startswith("mechanism"):
         # What is round about the shaft has no unbalance; a bore that reaches the pin ends there.
-        for name, throw in read_throws(engine_sections(content)).items():
+        for name, throw in dimensioned(read_throws(engine_sections(content))).items():
             section = name if name == PLAIN else f"throws.{name}"
             yield f"{section}.main_journal_fillet_radius"
             nearest = min(math.hypot(*pin.axis) - pin.radius for pin in throw.parts.pins)

@@ -17,6 +17,7 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import inertia_of_masses
 from crankfem.files.engine.usual_sizes import PRACTICE, SHIPPED, UsualRange
 from crankfem.files.reading.toml_file import InputWarning
+from crankfem.files.sections.crank_throws import dimensioned
 from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import (
@@ -28,6 +29,8 @@ from dynamics.gas.pressure import (
 )
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
+from geometry.crankshaft import throw_masses
+from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from regression.plans.plan import StudyPlan
@@ -81,6 +84,10 @@ class EngineScale:
         parts = []
         for throw in self.file.crank_throws:
             radius, density = throw.crank_radius, self.file.material.density
+            if not isinstance(throw, CrankThrow):
+                masses = throw_masses(throw, density)
+                parts.append((masses.mass, masses.inertia_about_shaft))
+                continue
             diameter, length = throw.main_journal_diameter, throw.main_journal_length
             pin = 0.25 * math.pi * throw.pin_diameter**2 * throw.pin_length * density
             journal = 0.25 * math.pi * diameter**2 * length * density
@@ -313,7 +320,7 @@ def _counterweights(scale: EngineScale) -> Iterator[InputWarning]:
     """Tell of counterweights and webs that reach the piston at the bottom, or the rod."""
     file = scale.file
     skirt = file.piston.skirt_length or 0.0
-    for name, throw in file.named_throws.items():
+    for name, throw in dimensioned(file.named_throws).items():
         section = name if name == "throw" else f"throws.{name}"
         room = file.rod.length - throw.crank_radius - skirt
         for side, web in (("left_web", throw.left_web), ("right_web", throw.right_web)):

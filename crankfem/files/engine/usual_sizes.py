@@ -11,7 +11,7 @@ from crankbase.quantity import PER_MINUTE, RPM, UNITS, format_number, percent
 from crankbase.sentences import amount, listed
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.reading.toml_file import InputWarning
-from crankfem.files.sections.crank_throws import PLAIN
+from crankfem.files.sections.crank_throws import PLAIN, Throws, dimensioned
 from dynamics.excitation.pressure_map import EnginePower
 from dynamics.gas.pressure import ATMOSPHERE
 from fem.material import STEEL
@@ -157,7 +157,7 @@ OF_WEB = {"thickness": "web_thickness", "width": "web_width"}
 OF_PIN = {"crank_radius": "crank_radius", "diameter": "pin_diameter", "length": "pin_length"}
 
 
-def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[InputWarning]:
+def throw_warnings(throws: Throws) -> Iterator[InputWarning]:
     """Name the dimensions of throws that are far out of proportion to their journals.
 
     Parameters
@@ -165,7 +165,7 @@ def throw_warnings(throws: Mapping[str, CrankThrow]) -> Iterator[InputWarning]:
     throws : mapping
         Name to throw; "throw" is that of a plain file.
     """
-    for name, throw in throws.items():
+    for name, throw in dimensioned(throws).items():
         section = name if name == PLAIN else f"throws.{name}"
         yield from _sharp_corners(section, throw)
         yield from _out_of_proportion(section, throw)[0]
@@ -265,7 +265,7 @@ def size_warnings(file: EngineFile) -> Iterator[InputWarning]:
     journal, rod, pitch = throw.main_journal_diameter, file.rod.length, throw.length
     # A journal that is wrong against the throw is not told again against other parts.
     wrong_journal = any(
-        _out_of_proportion(name, each)[1] for name, each in file.named_throws.items()
+        _out_of_proportion(name, each)[1] for name, each in dimensioned(file.named_throws).items()
     )
     if file.thrust_bearing is not None and not wrong_journal:
         stiffness = file.thrust_bearing.stiffness

@@ -3,6 +3,8 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -15,6 +17,7 @@ from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 
 # What the one throw of a plain file is called among throws by name.
@@ -22,7 +25,9 @@ PLAIN = "throw"
 # Names stand in fields, results and the names of files.
 NAME = re.compile(r"[A-Za-z0-9_-]+")
 
-Throws = Mapping[str, CrankThrow]
+Throws = Mapping[str, Throw]
+# Crank radii of throws in one shaft agree to this share, if one is measured in a file.
+SAME_RADIUS, MEASURED_RADIUS = 1e-9, 1e-4
 
 
 class ShaftLayout(InputModel):
@@ -79,14 +84,48 @@ class NamedThrow(InputModel):
         return self
 
 
-def read_throws(content: TomlFile) -> dict[str, CrankThrow]:
+class CadThrow(InputModel):
+    """A throw whose shape is in a STEP file, in place of dimensions."""
+
+    section: ClassVar[str] = "throw"
+
+    file: str = Field(
+        description="STEP file in the folder of this one: a throw along z, cut off square in the middles of "
+        "its main journals, as crankfem cad writes it"
+    )
+    pins: tuple[str, ...] = Field(
+        ("pin",),
+        description="names of the crankpins' faces, where faces have names",
+        json_schema_extra={"feature": True},
+    )
+
+
+def dimensioned(throws: Throws) -> dict[str, CrankThrow]:
+    """Return the throws with dimensions: rules and formulas take no others."""
+    return {name: throw for name, throw in throws.items() if isinstance(throw, CrankThrow)}
+
+
+def with_dimensions(throw: Throw) -> CrankThrow:
+    """Return a throw with dimensions; `InputError` for one from a STEP file."""
+    if isinstance(throw, CrankThrow):
+        return throw
+    raise InputError(
+        f"throw: given that of {Path(throw.path).name}; allowed here are throws of dimensions, which a STEP "
+        "file does not give."
+    )
+
+
+def read_throws(content: TomlFile) -> dict[str, Throw]:
     """Read the throws of a file by name; that of the section [throw] is "throw"."""
     tables = content.sections.get("throws")
     if tables is None:
+        if "file" in content.sections.get("throw", ()):
+            return {PLAIN: _imported(content, "throw", content.sections["throw"])}
         return {PLAIN: content.required("throw", CrankThrow)}
     if not tables:
         raise InputError("throws: given no throw; allowed are sections like [throws.a].")
-    made, errors = {}, InputErrors()
+    made: dict[str, Throw] = {}
+    errors = InputErrors()
     for name in tables:
         with errors.noted():
             made[name] = _named(content, name, tables)
@@ -144,7 +183,7 @@ def _check_names(names: Sequence[str], throws: Throws) -> None:
         check_choice("shaft.throws", name, throws, "these throws are in the file")
 
 
-def throw_of_name(throws: Throws, name: object, field: str, default: str) -> CrankThrow:
+def throw_of_name(throws: Throws, name: object, field: str, default: str) -> Throw:
     """Return the throw of a field or option, or the default one."""
     if name is None:
         return throws[default]
@@ -162,7 +201,9 @@ def check_compatible_throws(throws: Throws) -> None:
     (first, model), *others = throws.items()
     count = len(model.parts.pins)
     for name, throw in others:
-        if not math.isclose(throw.crank_radius, model.crank_radius, rel_tol=1e-9):
+        both = len(dimensioned({name: throw, first: model})) == 2
+        close = SAME_RADIUS if both else MEASURED_RADIUS
+        if not math.isclose(throw.crank_radius, model.crank_radius, rel_tol=close):
             raise InputError(
                 f"throws.{name}.crank_radius: given {format_quantity(throw.crank_radius, 'm')}; allowed is "
                 f"{format_quantity(model.crank_radius, 'm')} as in throws.{first}, because all pistons of an "
@@ -178,7 +219,7 @@ def check_compatible_throws(throws: Throws) -> None:
 
 def throws_along_shaft(
     throws: Throws, names: Sequence[str], angles_deg: ArrayLike
-) -> tuple[CrankThrow, ...]:
+) -> tuple[Throw, ...]:
     """Return the throw of each crank, named throws checked to form a shaft.
 
     Parameters
@@ -199,7 +240,7 @@ def throws_along_shaft(
     return along
 
 
-def _named(content: TomlFile, name: str, tables: Mapping[str, Any]) -> CrankThrow:
+def _named(content: TomlFile, name: str, tables: Mapping[str, Any]) -> Throw:
     """Read a named throw, with the fields of the throw that it is like."""
     section, values = f"throws.{name}", tables[name]
     if not isinstance(values, Mapping):
@@ -211,6 +252,8 @@ def _named(content: TomlFile, name: str, tables: Mapping[str, Any]) -> CrankThro
             f"throws: given a throw of the name {name!r}; allowed are letters, digits, - and _, and "
             "another name than throw, because results and pictures have this name."
         )
+    if "file" in values:
+        return _imported(content, section, values)
     dimensions = {key: value for key, value in values.items() if key not in NamedThrow.model_fields}
     beside = {key: value for key, value in values.items() if key not in dimensions}
     if not beside:
@@ -225,7 +268,7 @@ def _named(content: TomlFile, name: str, tables: Mapping[str, Any]) -> CrankThro
     full = [
         other
         for other, fields in tables.items()
-        if isinstance(fields, Mapping) and "like" not in fields
+        if isinstance(fields, Mapping) and not {"like", "file"} & fields.keys()
     ]
     if also.like not in full:
         raise InputError(
@@ -246,6 +289,28 @@ def _named(content: TomlFile, name: str, tables: Mapping[str, Any]) -> CrankThro
         renamed = dict(there)
         raise InputError("\n".join(renamed.get(line, line) for line in error.sentences)) from None
     return throw.reversed() if also.reversed else throw
+
+
+def _imported(content: TomlFile, section: str, values: Mapping[str, Any]) -> Throw:
+    """Read a throw from the STEP file that a section names."""
+    made = content.made(section, CadThrow, values)
+    file = content.files.named(f"{section}.file", made.file)
+    if file.sent is not None:
+        raise InputError(
+            f"{section}.file: given {made.file!r}, sent with the engine; allowed are dimensions here, "
+            "because STEP files are read where crankfem runs."
+        )
+    try:
+        return _read(str(file.path.resolve()), file.path.stat().st_mtime_ns, made.pins)
+    except InputError as error:
+        raise InputError(f"{section}.file: {error}") from None
+
+
+@lru_cache(maxsize=64)
+def _read(path: str, _modified: int, pins: tuple[str, ...]) -> Throw:
+    from geometry.imported import import_throw  # here: few files name a STEP file
+
+    return import_throw(path, pins=pins)
 
 
 def _sentences(values: Mapping[str, Any], section: str) -> list[str]:

@@ -23,7 +23,7 @@ from crankfem.analyses.shaft.chains import (
     engine_torsional_chain,
 )
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.sections.crank_throws import PLAIN
+from crankfem.files.sections.crank_throws import PLAIN, with_dimensions
 from crankfem.satellites.optimum.frequencies import check_one_throw, first_frequency
 from fem.response_table import RESPONSES, ResponseKind
 from fem.responses import evaluate_throw
@@ -237,12 +237,12 @@ class ThrowFamily:
     @cached_property
     def nominal(self) -> dict[str, Any]:
         """The dimensions and labels of the engine's throw."""
-        return throw_values(self.engine_file.throw, spelled_out=True)
+        return throw_values(with_dimensions(self.engine_file.throw), spelled_out=True)
 
     @cached_property
     def throw(self) -> dict[str, Any]:
         """Record of the engine's throw."""
-        return self.engine_file.throw.model_dump(mode="json")
+        return with_dimensions(self.engine_file.throw).model_dump(mode="json")
 
     @cached_property
     def family(self) -> Family:

@@ -270,6 +270,7 @@ def check_body(body: bytes) -> tuple[dict[str, Any], dict[str, Any]] | tuple[int
 def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
     """Read and check an uploaded file, and return its interpretation."""
     from crankfem.analyses.file_check import check_file, check_record
+    from geometry.throw import CrankThrow
 
     checked = check_file(read_upload(question))
     record = check_record(checked)
@@ -278,7 +279,9 @@ def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:
         name: record[name]
         for name in ("kind", "valid", "commands", "remarks", "warnings", "dimensions")
     } | {
-        "throw": None if throw is None else throw.model_dump(mode="json", exclude_defaults=True),
+        "throw": throw.model_dump(mode="json", exclude_defaults=True)
+        if isinstance(throw, CrankThrow)
+        else None,
         "material": None if throw is None else checked.material.model_dump(),
         "record": record,
     }
