@@ -153,11 +153,21 @@ def test_a_channel_that_has_ended_is_not_continued(tmp_path):
 
 
 def test_over_the_crank_angle_also_one_that_begins_again(tmp_path):
-    angles = np.arange(0.0, 1440.0, 90.0)
+    angles = np.arange(0.0, 1440.0, 30.0)
     path = written(tmp_path, table("°KW [deg],p [bar]", angles % 720.0, angles, formats="%.1f"))
     (pressure,) = read_record(path).channels
-    assert (pressure.axis, pressure.start, pressure.step) == ("angle", 0.0, close(90.0))
+    assert (pressure.axis, pressure.start, pressure.step) == ("angle", 0.0, close(30.0))
     assert pressure.abscissa() == close(np.radians(angles), abs=1e-12)
+
+
+def test_angles_in_radians_that_are_labeled_degrees(tmp_path):
+    angles = np.radians(np.arange(-360.0, 360.0))
+    path = written(tmp_path, table("crank angle [deg],p [bar]", angles, angles, formats="%.5f"))
+    record = read_record(path)
+    assert record.channels[0].abscissa() == close(angles, abs=1e-5)
+    assert re.search(r"is taken in rad, not in deg: .* it is turns in rad alone", record.notes[0])
+    kept = read_record(path, units={"angle": "deg"}).channels[0]
+    assert kept.abscissa() == close(np.radians(angles), abs=1e-5)
 
 
 @pytest.mark.parametrize(

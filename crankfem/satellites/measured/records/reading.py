@@ -5,7 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 from crankbase.array_checks import Array, positive_number
-from crankbase.errors import InputError, MissingLibraryError
+from crankbase.errors import InputError, MissingLibraryError, shortened
 from crankbase.input_file import not_a_file
 from crankfem.satellites.measured.records.record import SAMPLES, Record
 from crankfem.satellites.measured.records.series import RecordReading
@@ -14,7 +14,15 @@ from crankfem.satellites.measured.records.text import read_text
 Reader = Callable[[Path, RecordReading], Record]
 _HERE = __name__.rpartition(".")[0]
 # First bytes of a format: its name, the package that reads it, and the function here.
-FORMATS: dict[bytes, tuple[str, str, str]] = {}
+FORMATS = {
+    b"TDSm": ("TDMS", "nptdms", "acquisition:read_tdms"),
+    b"MDF ": ("MDF 4", "asammdf", "acquisition:read_mdf"),
+    b"    -1": ("UFF 58", "pyuff", "acquisition:read_uff"),
+    b"MATLAB 5": ("MAT 5", "scipy", "nested:read_mat5"),
+    b"MATLAB 7.3": ("MAT 7.3", "h5py", "nested:read_hdf5"),
+    b"\x89HDF": ("HDF5", "h5py", "nested:read_hdf5"),
+    b"PAR1": ("Parquet", "pyarrow", "parquet:read_parquet"),
+}
 
 
 def read_record(
@@ -62,8 +70,24 @@ def read_record(
         head = opened.read(1024)
     for first, (name, package, function) in FORMATS.items():
         if head.startswith(first):
-            return _reader(file, name, package, function)(file, reading)
-    return read_text(file, reading)
+            record = _read(_reader(file, name, package, function), file, name, reading)
+            break
+    else:
+        record = read_text(file, reading)
+    if not record.channels:
+        raise InputError(f"{path}: holds no channels of numbers; allowed is a record with some.")
+    return record
+
+
+def _read(reader: Reader, file: Path, name: str, reading: RecordReading) -> Record:
+    """Read a record by the package of its format, which tells of damage by errors of many kinds."""
+    try:
+        return reader(file, reading)
+    except InputError:
+        raise
+    except Exception as error:
+        why = shortened(str(error)) or type(error).__name__
+        raise InputError(f"{file}: cannot be read as {name} ({why}).") from None
 
 
 def _reader(file: Path, name: str, package: str, function: str) -> Reader:

@@ -164,6 +164,11 @@ class Channel:
                 f'units = {{ {self.name} = "N m" }}.'
             )
         size, zero = size_in(self.unit, self.si_unit)
+        if not np.all(np.isfinite(values)):
+            raise InputError(
+                f"{self.name}: sample {int(np.argmin(np.isfinite(values))) + 1} is no finite number; allowed "
+                "are finite numbers, because every sample counts."
+            )
         return values * size + zero
 
     def _axis_size(self) -> float:

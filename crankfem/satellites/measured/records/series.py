@@ -1,5 +1,6 @@
 """Columns side by side, of which one may be the time or the crank angle of the others."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -22,6 +23,8 @@ MOST_IN_MEMORY = 20_000_000
 ROUND_OFF = 1e-6
 # A rate [1/s] is taken as a whole number if its error is smaller, so that no other one is possible.
 SURE = 0.5
+# Fewer angles do not tell their unit.
+FEWEST = 8
 # So many samples of a level show one that has two values.
 LEVELS = 10_000
 # Of the usual step this share at most is lost by the digits of uneven places.
@@ -58,16 +61,17 @@ class Series:
     ----------
     heading, unit : str
         As in the file; the unit may be in the heading.
-    column : Column
-        NaN where the file has no number.
     error : float
         Largest error of a number, by its digits.
+    gaps : bool
+        Whether there are rows without a number, which are NaN.
     """
 
     heading: str
     unit: str
     column: Column
     error: float = 0.0
+    gaps: bool = False
 
 
 def even_places(places: Array, error: float) -> tuple[float, float] | None:
@@ -117,17 +121,25 @@ def channels_of_series(
     evens = {place: _even(series[place]) for place in axes}
     chosen = next((place for place in axes if evens[place] is not None), axes[0] if axes else None)
     channels = []
-    for place, (name, unit, reference) in enumerate(read):
+    for place, (name, unit, _) in enumerate(read):
         if place == chosen:
             continue
-        channel = Channel(name, group, unit, series[place].column, reference=reference)
+        channel = named_channel(group, series[place], reading, notes)
         if channel.si_unit == "s" and EVENTS.search(name) and len(channel) <= MOST_IN_MEMORY:
             check_digits(path, name, unit, channel.values, series[place].error, notes)
         if chosen is None:
             channels.append(_at_rate(channel, reading))
         else:
             channels.append(
-                over_places(path, channel, read[chosen][:2], series[chosen], reading, notes)
+                over_places(
+                    path,
+                    channel,
+                    read[chosen][:2],
+                    series[chosen],
+                    reading,
+                    notes,
+                    series[place].gaps,
+                )
             )
     return tuple(channels), list(dict.fromkeys(notes))
 
@@ -135,13 +147,20 @@ def channels_of_series(
 def _named(each: Series, reading: RecordReading, notes: list[str]) -> tuple[str, str, str]:
     """Return name, unit and reference of the pressure, and note a unit that is unknown."""
     name, written = split_heading(each.heading, each.unit)
-    written = reading.units.get(name, reading.units.get(each.heading, written))
+    for word in (axis_of(name, written), name, each.heading):
+        written = reading.units.get(word, written)
     unit, reference = read_unit(written)
     if written and not unit and written not in ("-", "--", "1"):
         notes.append(f"{name}: its unit {quoted(written)} is unknown.")
     if reference == "gauge":
         notes.append(f"{name}: is a pressure above the atmosphere, by its unit {written}.")
     return name, unit, reference
+
+
+def named_channel(group: str, each: Series, reading: RecordReading, notes: list[str]) -> Channel:
+    """Return a channel without places, and note a unit that is unknown."""
+    name, unit, reference = _named(each, reading, notes)
+    return Channel(name, group, unit, each.column, reference=reference)
 
 
 def _even(each: Series) -> tuple[float, float] | None:
@@ -165,6 +184,7 @@ def over_places(
     axis: Series,
     reading: RecordReading,
     notes: list[str],
+    gaps: bool = False,
 ) -> Channel:
     """Return a channel over a column of times or angles: by start and step if they are even.
 
@@ -180,12 +200,16 @@ def over_places(
     over = replace(channel, axis=kind, axis_unit=unit, error=axis.error)
     if channel.column.count > MOST_IN_MEMORY:
         return replace(over, places=axis.column)
-    places, values = axis.column.whole, channel.column.whole
-    there = np.isfinite(places) & np.isfinite(values)
-    if not np.all(there):
+    places = axis.column.whole
+    if gaps or axis.gaps:
+        values = channel.column.whole
+        there = np.isfinite(places) & np.isfinite(values)
         over, places = replace(over, column=Column.of(values[there])), places[there]
     if kind == "angle":
-        places = continued(places, unit)
+        falls = np.flatnonzero(np.diff(places) < 0.0)
+        first = places[: falls[0] + 1] if falls.size else places
+        unit = settled_unit(name, unit, first, axis.error, reading, notes)
+        over, places = replace(over, axis_unit=unit), continued(places, unit)
     back = np.flatnonzero(np.diff(places) < 0.0)
     if back.size:
         raise InputError(
@@ -202,10 +226,47 @@ def over_places(
             )
         return replace(over, places=Column.of(places))
     start, step = even
-    if reading.rate is None and np.unique(values[:LEVELS]).size <= 2:
+    if reading.rate is None and axis.error > LARGEST_ERROR * step and _is_level(over):
         # Edges of a logic analyzer are even as well, if few digits are left of them.
         check_digits(path, name, unit, places, axis.error, notes)
     return at_steps(path, replace(over, start=start, step=step), reading, notes)
+
+
+def _is_level(channel: Channel) -> bool:
+    return np.unique(next(channel.column.read(LEVELS))).size <= 2
+
+
+def settled_unit(
+    name: str, unit: str, angles: Array, error: float, reading: RecordReading, notes: list[str]
+) -> str:
+    """Return the unit of crank angles, shape (n,): radians may be labeled degrees, and the other way round.
+
+    A turn is a whole number of steps, and a record one of turns, in the unit that is meant alone.
+    """
+    if angles.size < FEWEST or not reading.units.keys().isdisjoint((name, "angle")):
+        return unit
+    step = float(angles[-1] - angles[0]) / (angles.size - 1)
+    even = even_places(angles, error) is not None
+    room = 2.0 * error / (angles.size * abs(step)) + ROUND_OFF if step else 1.0
+
+    def fits(turn: float) -> bool:
+        steps, span = turn / step, (angles[-1] - angles[0]) / turn
+        divides = even and abs(steps - round(steps)) <= room * abs(steps) < SURE / 5.0
+        ends = (span, span + 1.0 / abs(steps))
+        whole = any(round(end) and abs(end - round(end)) < 0.02 / abs(steps) for end in ends)
+        return divides or whole
+
+    known = {"deg": 360.0, "rad": 2.0 * math.pi}
+    if not step or (unit and not known.keys() & {unit.replace("°", "deg")}):
+        return unit
+    fitting = [each for each, turn in known.items() if fits(turn)]
+    if fitting and unit not in fitting:
+        notes.append(
+            f"{name}: is taken in {fitting[0]}, not in {unit or 'an unknown unit'}: from {angles[0]:.6g} to "
+            f"{angles[-1]:.6g} in steps of {step:.6g} it is turns in {fitting[0]} alone."
+        )
+        return fitting[0]
+    return unit
 
 
 def at_steps(path: str, channel: Channel, reading: RecordReading, notes: list[str]) -> Channel:

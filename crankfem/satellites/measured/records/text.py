@@ -4,6 +4,7 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -72,16 +73,14 @@ def read_text(path: Path, reading: RecordReading) -> Record:
         max(_digit(table.cells[:ROWS], place, table), _digit(tail[-ROWS:], place, table)) / 2.0
         for place in range(table.columns)
     ]
+    gaps = [size <= MOST_IN_MEMORY and bool(np.any(np.isnan(each.whole))) for each in columns]
     headings = table.headings or tuple(f"column {place + 1}" for place in range(table.columns))
     units = table.units or ("",) * table.columns
-    series = [
-        Series(heading, unit, column, error)
-        for heading, unit, column, error in zip(headings, units, columns, errors, strict=True)
-    ]
+    series = [Series(*each) for each in zip(headings, units, columns, errors, gaps, strict=True)]
     notes = []
     if reading.columns:
         series = [
-            Series(name, "", series[place].column, series[place].error)
+            replace(series[place], heading=name, unit="")
             for name, place in _named_places(path, table, reading).items()
         ]
     elif not table.headings:

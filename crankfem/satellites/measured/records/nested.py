@@ -1,0 +1,283 @@
+"""Records in nested structures: MAT 5 by scipy, MAT 7.3 and HDF5 by h5py.
+
+A structure holds vectors, numbers and texts, and further structures. Its times are a vector beside the
+others, or above them, or start and rate among the numbers.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crankbase.array_checks import Array
+from crankfem.satellites.measured.records.acquisition import even_channel
+from crankfem.satellites.measured.records.record import Channel, Column, Record
+from crankfem.satellites.measured.records.series import (
+    RecordReading,
+    Series,
+    channels_of_series,
+)
+from crankfem.satellites.measured.records.units import axis_of, split_heading
+
+# Names of numbers that tell the rate of samples [1/s], their step and their start, in small letters.
+RATES = (
+    "fs",
+    "rate",
+    "samplerate",
+    "sample_rate",
+    "samplingrate",
+    "sampling_rate",
+    "samplefrequency",
+)
+STEPS = ("dt", "step", "increment", "dx", "sampleinterval", "sample_interval", "wf_increment")
+STARTS = ("t0", "start", "start_value", "x0", "offset", "wf_start_offset")
+# Structures beside the one with the values that tell of their places.
+AXES = ("x_values", "xvalues", "abscissa", "axis")
+UNITS = ("unit", "units", "unit_string", "y_unit", "label")
+# Names that say nothing of what is measured: the structure has the name.
+PLAIN = ("values", "value", "data", "y", "samples", "y_values")
+# More columns than so many are no channels.
+MOST_COLUMNS = 256
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """A structure of a file.
+
+    Attributes
+    ----------
+    path : tuple of str
+        Names of the structures that it is in, and its own.
+    vectors : list of Series
+        By name.
+    numbers, texts : mapping of str
+        In small letters.
+    parts : list of Structure
+        In it.
+    """
+
+    path: tuple[str, ...] = ()
+    vectors: list[Series] = field(default_factory=list)
+    numbers: dict[str, float] = field(default_factory=dict)
+    texts: dict[str, str] = field(default_factory=dict)
+    parts: "list[Structure]" = field(default_factory=list)
+
+
+def read_mat5(path: Path, reading: RecordReading) -> Record:
+    """Read variables of Matlab up to version 7, which are in memory then."""
+    from scipy.io import loadmat
+
+    variables = loadmat(path, simplify_cells=True)
+    top = Structure()
+    for name, value in variables.items():
+        if not name.startswith("__"):
+            _add(top, name, value)
+    return _record(path, "MAT 5", top, reading)
+
+
+def _add(structure: Structure, name: str, value: Any) -> None:
+    """Add a variable of Matlab to a structure."""
+    if isinstance(value, str):
+        structure.texts[name.casefold()] = value
+    elif isinstance(value, Mapping):
+        part = Structure((*structure.path, name))
+        for inner, content in value.items():
+            _add(part, str(inner), content)
+        structure.parts.append(part)
+    elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
+        for place, content in enumerate(np.ravel(np.asarray(value, dtype=object)), start=1):
+            _add(structure, f"{name}({place})", content)
+    elif np.size(value) == 1 and np.asarray(value).dtype.kind in "iufb":
+        structure.numbers[name.casefold()] = float(np.asarray(value).ravel()[0])
+    elif np.asarray(value).dtype.kind in "iufb":
+        structure.vectors.extend(_columns_of(name, np.squeeze(value), "", None))
+
+
+def _columns_of(name: str, values: Any, unit: str, read: Any) -> Iterator[Series]:
+    """Return an array of one or two dimensions as columns; the longer dimension is that of samples.
+
+    `read`, if given, opens the array in its file; else it is in memory.
+    """
+    shape = [size for size in values.shape if size != 1]
+    if not 1 <= len(shape) <= 2 or min(shape[1:], default=1) > MOST_COLUMNS < shape[0]:
+        return
+    error = _single_error(values)
+    long = int(np.argmax(values.shape))
+    for place in range(1 if len(shape) == 1 else min(shape)):
+        heading = name if len(shape) == 1 else f"{name}({place + 1})"
+
+        def at(array: Any, rows: slice, place: int = place) -> Any:
+            parts = [place if size in shape else 0 for size in array.shape]
+            return array[tuple(rows if axis == long else part for axis, part in enumerate(parts))]
+
+        in_memory = read is None
+        column = Column.of(at(values, slice(None))) if in_memory else _stored(max(shape), read, at)
+        yield Series(heading, unit, column, error)
+
+
+def _single_error(values: Any) -> float:
+    """Return the error of numbers in single precision, by the largest."""
+    if values.dtype != np.float32 or not values.size:
+        return 0.0
+    last = np.asarray(values[(-1,) * values.ndim])
+    return float(np.abs(last)) * float(np.finfo(np.float32).eps) / 2.0
+
+
+def _stored(count: int, read: Any, at: Any) -> Column:
+    def pieces(samples: int) -> Iterator[Array]:
+        with read() as array:
+            for first in range(0, count, samples):
+                yield np.asarray(at(array, slice(first, first + samples)), dtype=np.float64)
+
+    return Column(count, pieces)
+
+
+def read_hdf5(path: Path, reading: RecordReading) -> Record:
+    """Read HDF5, and variables of Matlab 7.3, which are turned over in it and refer to each other."""
+    import h5py
+
+    top = Structure()
+    with h5py.File(path) as file:
+        matlab = file.userblock_size > 0
+        _add_attributes(top, file.attrs)
+        for name, item in file.items():
+            if not name.startswith("#"):
+                _add_item(top, path, name, item)
+    return _record(path, "MAT 7.3" if matlab else "HDF5", top, reading)
+
+
+def _add_attributes(structure: Structure, attributes: Mapping[str, Any]) -> None:
+    for name, value in attributes.items():
+        if isinstance(value, bytes | str):
+            text = value.decode(errors="replace") if isinstance(value, bytes) else value
+            structure.texts[name.casefold()] = text
+        elif np.size(value) == 1 and np.asarray(value).dtype.kind in "iuf":
+            structure.numbers[name.casefold()] = float(np.ravel(value)[0])
+
+
+def _add_item(structure: Structure, path: Path, name: str, item: Any) -> None:
+    """Add a group or data set of HDF5 to a structure."""
+    import h5py
+
+    kind = item.attrs.get("MATLAB_class", b"")
+    if isinstance(item, h5py.Group):
+        part = Structure((*structure.path, name))
+        _add_attributes(part, item.attrs)
+        for inner, content in item.items():
+            _add_item(part, path, inner, content)
+        structure.parts.append(part)
+    elif kind == b"char":
+        structure.texts[name.casefold()] = "".join(map(chr, np.ravel(item[()], order="F")))
+    elif h5py.check_ref_dtype(item.dtype) is not None:
+        for place, reference in enumerate(np.ravel(item[()]), start=1):
+            if reference:
+                _add_item(structure, path, f"{name}({place})", item.file[reference])
+    elif h5py.check_string_dtype(item.dtype) is not None:
+        if item.size == 1:
+            text = np.ravel(item[()])[0]
+            structure.texts[name.casefold()] = (
+                text.decode(errors="replace") if isinstance(text, bytes) else str(text)
+            )
+    elif item.dtype.names:
+        for inner in item.dtype.names:
+            if item.dtype[inner].kind in "iufb" and item.ndim == 1:
+                column = _stored(
+                    item.size, _opened(path, item.name), lambda array, rows, inner=inner: array[inner, rows]
+                )  # fmt: skip
+                structure.vectors.append(Series(inner, "", column))
+    elif item.dtype.kind in "iufb" and item.size == 1:
+        structure.numbers[name.casefold()] = float(np.ravel(item[()])[0])
+    elif item.dtype.kind in "iufb" and not item.attrs.get("MATLAB_empty", 0):
+        part = Structure((*structure.path, name))
+        _add_attributes(part, item.attrs)
+        unit = next((part.texts[key] for key in UNITS if key in part.texts), "")
+        columns = [*_columns_of(name, item, unit, _opened(path, item.name))]
+        if part.numbers.keys() & {*RATES, *STEPS}:
+            part.vectors.extend(columns)
+            structure.parts.append(part)
+        else:
+            structure.vectors.extend(columns)
+
+
+def _opened(path: Path, name: str) -> Any:
+    """Return what opens a data set of a file."""
+    import h5py
+
+    @contextmanager
+    def opened() -> Iterator[Any]:
+        with h5py.File(path) as file:
+            yield file[name]
+
+    return opened
+
+
+def _record(path: Path, kind: str, top: Structure, reading: RecordReading) -> Record:
+    channels: list[Channel] = []
+    notes: list[str] = []
+    _collect(str(path), top, {}, [], reading, channels, notes)
+    return Record(str(path), kind, tuple(channels), tuple(dict.fromkeys(notes)))
+
+
+def _collect(
+    path: str,
+    structure: Structure,
+    numbers: Mapping[str, float],
+    axes: list[Series],
+    reading: RecordReading,
+    channels: list[Channel],
+    notes: list[str],
+) -> None:
+    """Collect the channels of a structure and of those in it, with times that are above them."""
+    beside = [part for part in structure.parts if part.path[-1].casefold() in AXES]
+    numbers = dict(numbers) | structure.numbers
+    for part in beside:
+        numbers |= part.numbers
+        axes = [*axes, *part.vectors]
+    vectors = [_titled(structure, each) for each in structure.vectors]
+    group = ".".join(structure.path)
+    if vectors and structure.vectors[0].heading.casefold() in PLAIN and structure.path:
+        group = ".".join(structure.path[:-1])
+    rate = next((numbers[key] for key in RATES if key in numbers), 0.0)
+    step = next((numbers[key] for key in STEPS if key in numbers), 1.0 / rate if rate else 0.0)
+    start = next((numbers[key] for key in STARTS if key in numbers), 0.0)
+    own = [each for each in vectors if axis_of(*split_heading(each.heading, each.unit)) != "none"]
+    counts = {each.column.count for each in vectors}
+    for count in sorted(counts):
+        alike = [each for each in vectors if each.column.count == count]
+        above = [each for each in axes if each.column.count == count]
+        if not any(each in own for each in alike) and not above and step > 0.0:
+            channels += [
+                even_channel(path, group, each, ("time", "s"), start, step, 0.0, reading, notes)
+                for each in alike
+            ]
+            continue
+        shared = [] if any(each in own for each in alike) else above[:1]
+        found, more = channels_of_series(path, group, [*shared, *alike], reading)
+        channels += found
+        notes += more
+    for part in structure.parts:
+        if part not in beside:
+            _collect(path, part, numbers, [*axes, *own], reading, channels, notes)
+
+
+def _titled(structure: Structure, each: Series) -> Series:
+    """Return a vector with the name of its structure if its own says nothing, and with its unit."""
+    name = each.heading
+    texts = structure.texts | {
+        key: text
+        for part in structure.parts
+        if part.path[-1].casefold() in ("quantity", "units")
+        for key, text in part.texts.items()
+    }
+    keys = (f"{name}_unit".casefold(), f"{name}_units".casefold(), name.casefold())
+    plain = name.casefold() in PLAIN and structure.path
+    unit = each.unit or next(
+        (texts[key] for key in (*keys, *(UNITS if plain else ())) if key in texts), ""
+    )
+    if plain:
+        named = [part for part in structure.path if part.casefold() not in PLAIN]
+        name = structure.texts.get("name", named[-1] if named else name)
+    return Series(name, unit, each.column, each.error, each.gaps)

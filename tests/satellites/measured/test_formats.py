@@ -1,0 +1,171 @@
+"""The same record in all formats, and structures of Matlab, HDF5 and Parquet."""
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankbase.errors import InputError
+from crankfem.satellites.measured.records.reading import iter_pieces, read_record
+from satellites.measured.written_records import hdf5, mat73, mdf, parquet, tdms, uff
+
+RATE = 50000.0
+TIMES = np.arange(5000) / RATE
+WHEEL = np.sin(2.0 * np.pi * 730.0 * TIMES) + 0.1 * np.cos(91.0 * TIMES)
+
+
+def text(path):
+    np.savetxt(path, np.c_[TIMES, WHEEL], delimiter=",", header="t [s],wheel [V]", comments="")
+    return path
+
+
+def mat5(path):
+    from scipy.io import savemat
+
+    savemat(path, {"t": TIMES, "wheel": WHEEL, "wheel_unit": "V"})
+    return path
+
+
+FORMATS = {
+    "csv": text,
+    "tdms": lambda path: tdms(
+        path,
+        {("g", "wheel"): (WHEEL, {"wf_increment": 1.0 / RATE, "unit_string": "V"})},
+    ),
+    "mf4": lambda path: mdf(path, ([("wheel", "V", WHEEL)], TIMES, ("t", 1), "g")),
+    "uff": lambda path: uff(path, ("wheel", "V", TIMES, WHEEL, {"binary": 1})),
+    "mat": mat5,
+    "h5": lambda path: hdf5(path, {"wheel": (WHEEL, {"unit": "V", "fs": RATE})}),
+    "parquet": lambda path: parquet(path, {"t": TIMES, "wheel": WHEEL}, {"t": "s", "wheel": "V"}),
+}
+
+
+@pytest.mark.parametrize("kind", [*FORMATS])
+def test_the_same_record_in_each_format(tmp_path, kind):
+    path = FORMATS[kind](tmp_path / f"record.{kind}")
+    record = read_record(path, units={"time": "s"} if kind == "mat" else None)
+    (wheel,) = record.channels
+    assert (wheel.name, wheel.unit, wheel.axis) == ("wheel", "V", "time")
+    assert np.max(np.abs(wheel.si() - WHEEL)) < 1e-9
+    assert np.max(np.abs(wheel.abscissa() - TIMES)) < 1e-15
+    pieces = [*wheel.pieces(999)]
+    assert [values.size for _, values in pieces] == 5 * [999] + [5]
+    assert np.array_equal(np.concatenate([values for _, values in pieces]), wheel.si())
+    assert np.array_equal(np.concatenate([places for places, _ in pieces]), wheel.abscissa())
+
+
+def test_in_uff_text_values_have_the_digits_of_double_precision(tmp_path):
+    path = uff(tmp_path / "record.uff", ("wheel", "V", TIMES, WHEEL, {}))
+    (wheel,) = read_record(path).channels
+    assert np.max(np.abs(wheel.si() - WHEEL)) < 1e-11
+    single = uff(tmp_path / "s.uff", ("wheel", "V", TIMES, WHEEL, {"ord_data_type": 2}))
+    content = single.read_text().splitlines()
+    assert content[8].split()[0] == "4"  # pyuff writes double precision alone, unless told
+    assert wheel.error == close(0.5e-10 * 4999)
+
+
+@pytest.mark.parametrize("write", ["mat5", "mat73"])
+def test_structures_of_matlab_are_searched(tmp_path, write):
+    from scipy.io import savemat
+
+    tree = {
+        "Run": {
+            "time": TIMES,
+            "cells": [WHEEL, 2.0 * WHEEL],
+            "sensor": {"values": 3.0 * WHEEL, "unit": "kNm"},
+        },
+        "matrix": np.c_[WHEEL, WHEEL + 1.0, WHEEL + 2.0],
+    }
+    path = tmp_path / "record.mat"
+    if write == "mat5":
+        cells = np.empty(2, dtype=object)
+        cells[:] = tree["Run"]["cells"]
+        savemat(path, tree | {"Run": tree["Run"] | {"cells": cells}})
+    else:
+        mat73(path, tree)
+    record = read_record(path)
+    assert record.format == ("MAT 5" if write == "mat5" else "MAT 7.3")
+    with pytest.raises(InputError, match=r'unit of its time is unknown.*units = \{ time = "s" \}'):
+        record.channel("sensor").abscissa()
+    record = read_record(path, units={"time": "s"})
+    sensor = record.channel("sensor")
+    assert (sensor.group, sensor.unit) == ("Run", "kNm")
+    assert sensor.si() == close(3000.0 * WHEEL, abs=1e-9)
+    assert np.max(np.abs(sensor.abscissa() - TIMES)) < 1e-15
+    assert record.channel("cells(2)").values == close(2.0 * WHEEL, abs=1e-12)
+    assert record.channel("matrix(3)").values == close(WHEEL + 2.0, abs=1e-12)
+    assert len(record.channel("matrix(3)")) == 5000
+
+
+def test_start_and_increment_beside_the_values(tmp_path):
+    """As Simcenter Testlab exports."""
+    from scipy.io import savemat
+
+    tree = {
+        "Signal": {
+            "x_values": {"start_value": 0.5, "increment": 1.0 / RATE, "number_of_values": 5000},
+            "y_values": {"values": WHEEL, "quantity": {"label": "Nm"}},
+        }
+    }
+    savemat(tmp_path / "record.mat", tree)
+    (torque,) = read_record(tmp_path / "record.mat").channels
+    assert (torque.name, torque.unit) == ("Signal", "Nm")
+    assert torque.abscissa() == close(0.5 + TIMES, rel=1e-15)
+
+
+def test_groups_of_hdf5_have_their_own_times(tmp_path):
+    angles = np.arange(720.0)
+    tree = {
+        "slow": {"time": TIMES[::10], "M": (WHEEL[::10], {"units": "N m"})},
+        "indicating": {
+            "crank_angle": (angles, {"unit": "deg"}),
+            "p": (1.0 + angles, {"unit": "bar"}),
+        },
+        "table": np.array([(0.0, 1.0), (0.1, 2.0)], dtype=[("time_s", float), ("F_kN", float)]),
+    }
+    record = read_record(hdf5(tmp_path / "record.h5", tree), units={"time": "s"})
+    assert record.channel("M").step == close(10.0 / RATE, rel=1e-12)
+    assert record.channel("p").abscissa()[90] == close(np.pi / 2.0)
+    assert record.channel("F").si().tolist() == [1000.0, 2000.0]
+    assert record.channel("F").abscissa() == close([0.0, 0.1], abs=1e-15)
+
+
+def test_times_in_single_precision_are_even_within_it(tmp_path):
+    tree = {"time": (TIMES.astype(np.float32), {"unit": "s"}), "M": (WHEEL, {"unit": "N m"})}
+    (torque,) = read_record(hdf5(tmp_path / "record.h5", tree)).channels
+    assert torque.error == close(np.float32(TIMES[-1]) * 2.0**-24, rel=0.01)
+    assert np.max(np.abs(torque.abscissa() - TIMES)) < 1e-9
+
+
+def test_gaps_of_parquet_are_left_out_and_time_stamps_are_seconds(tmp_path):
+    import pyarrow as pa
+
+    stamps = pa.array([1_000_000_000, 1_000_000_500, 1_000_001_000], pa.timestamp("us"))
+    path = parquet(
+        tmp_path / "record.parquet",
+        {"when_time": stamps, "M_Nm": [1.0, None, 3.0], "name": ["a", "b", "c"]},
+    )
+    record = read_record(path)
+    (torque,) = record.channels
+    assert torque.values.tolist() == [1.0, 3.0]
+    assert torque.abscissa() == close([0.0, 1e-3], abs=1e-12)
+    assert record.notes[0] == "name: holds no numbers."
+
+
+def test_row_groups_of_parquet_are_no_bounds_of_pieces(tmp_path):
+    columns = {"t_s": TIMES, "wheel_V": WHEEL}
+    path = parquet(tmp_path / "record.parquet", columns, row_group_size=700)
+    places, values = (
+        np.concatenate(each) for each in zip(*iter_pieces(path, "wheel", samples=999), strict=True)
+    )
+    assert np.array_equal(values, WHEEL)
+    assert places.size == values.size
+
+
+def test_a_number_that_is_none_is_told_when_it_is_read(tmp_path):
+    broken = WHEEL.copy()
+    broken[41] = np.nan
+    record = read_record(
+        hdf5(tmp_path / "record.h5", {"wheel": (broken, {"unit": "V", "fs": RATE})})
+    )
+    with pytest.raises(InputError, match="wheel: sample 42 is no finite number"):
+        record.channel("wheel").si()
