@@ -404,13 +404,15 @@ def read_pressure_table(
         compressor 0.1 to 400 MPa) or outside -10 to 40 deg (angles counted from elsewhere; of a
         compressor -150 to 10 deg).
     """
+    return pressure_of_rows(read_sample_rows(path, TABLE, reading), strokes, fires=fires)
+
+
+def pressure_of_rows(
+    rows: SampleRows, strokes: int | None = None, *, fires: bool = True
+) -> GasPressure:
+    """Return the pressure of the rows of a table, or of a record; the rest as `read_pressure_table`."""
     cycles = possible_cycles(strokes)
-    cycle_strokes, rows = one_cycle(
-        read_sample_rows(path, TABLE, reading),
-        cycles,
-        tolerance=CLOSING_TOLERANCE,
-        what="pressure",
-    )
+    cycle_strokes, rows = one_cycle(rows, cycles, tolerance=CLOSING_TOLERANCE, what="pressure")
     remarks = rows.remarks
     kind, _, unit = rows.value_name.split("_")
     pressure = UNITS[unit] * rows.values

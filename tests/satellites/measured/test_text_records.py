@@ -223,3 +223,9 @@ def test_times_that_may_be_exact_are_taken_with_their_error(tmp_path):
     assert record.notes == (
         "pulse_time: has errors up to 0.005 s by their digits, unless they are exact.",
     )
+
+
+def test_a_heading_that_is_repeated_is_numbered(tmp_path):
+    record = read_record(written(tmp_path, table("t_s,p,p", WHEEL + 0.2, WHEEL, 2.0 * WHEEL)))
+    assert [each.name for each in record.channels] == ["p", "p #2"]
+    assert record.channel("p #2").values[0] == 2.0 * WHEEL[0]

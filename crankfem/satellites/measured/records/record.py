@@ -5,7 +5,7 @@ none of another one.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -116,6 +116,15 @@ class Channel:
         """The unit of `si`, empty if the unit is unknown."""
         return kind_of_unit(self.unit)
 
+    @property
+    def rate(self) -> float | None:
+        """Samples in a second [1/s]; None if they are not even over time."""
+        if self.axis != "time" or self.step is None:
+            return None
+        rate = 1.0 / (self.step * self._axis_size())
+        whole = round(rate)
+        return float(whole) if whole and math.isclose(rate, whole, rel_tol=WHOLE) else rate
+
     def si(self) -> Array:
         """Return the samples in SI, shape (n,).
 
@@ -189,11 +198,9 @@ class Channel:
         size = self._axis_size()
         assert self.start is not None
         assert self.step is not None
-        rate = 1.0 / (self.step * size)
-        whole = round(rate)
         counted = np.arange(first, stop, dtype=np.float64)
-        if self.axis == "time" and whole and math.isclose(rate, whole, rel_tol=WHOLE):
-            return self.start * size + counted / whole
+        if self.rate is not None:
+            return self.start * size + counted / self.rate
         return (self.start + self.step * counted) * size
 
 
@@ -226,29 +233,22 @@ class Record:
         InputError
             If there is none, or several.
         """
-        return chosen_channel(self.path, self.channels, name, group)
-
-
-def chosen_channel(
-    path: str, channels: Iterable[Channel], name: str, group: str | None = None
-) -> Channel:
-    """Return the channel of a name; as `Record.channel`."""
-    named = [each for each in channels if group is None or each.group == group]
-    wanted = (name, split_heading(name)[0])
-    matching = [each for each in named if each.name == name] or [
-        each for each in named if each.name.casefold() in (word.casefold() for word in wanted)
-    ]
-    if len(matching) == 1:
-        return matching[0]
-    if not matching:
-        where = "" if group is None else f" in the group {quoted(group)}"
-        names = list(dict.fromkeys(each.name for each in named)) or ["none"]
+        named = [each for each in self.channels if group is None or each.group == group]
+        wanted = (name, split_heading(name)[0])
+        matching = [each for each in named if each.name == name] or [
+            each for each in named if each.name.casefold() in (word.casefold() for word in wanted)
+        ]
+        if len(matching) == 1:
+            return matching[0]
+        if not matching:
+            where = "" if group is None else f" in the group {quoted(group)}"
+            names = list(dict.fromkeys(each.name for each in named)) or ["none"]
+            raise InputError(
+                f"{self.path}: given the channel {quoted(name)}, which is not there{where}; "
+                f"{allowed_names(name, names)}."
+            )
+        groups = ", ".join(dict.fromkeys(quoted(each.group) for each in matching))
         raise InputError(
-            f"{path}: given the channel {quoted(name)}, which is not there{where}; "
-            f"{allowed_names(name, names)}."
+            f"{self.path}: given the channel {quoted(name)}, of which there are {len(matching)}, in the "
+            f"groups {groups}; say the group, too, because they may be different quantities."
         )
-    groups = ", ".join(dict.fromkeys(quoted(each.group) for each in matching))
-    raise InputError(
-        f"{path}: given the channel {quoted(name)}, of which there are {len(matching)}, in the groups "
-        f"{groups}; say the group, too, because they may be different quantities."
-    )

@@ -111,6 +111,13 @@ def channels_of_series(
         If a time or an angle goes back, has too few digits, or contradicts the rate that is given.
     """
     notes: list[str] = []
+    headings = [each.heading for each in series]
+    series = [
+        replace(each, heading=f"{each.heading} #{headings[:place].count(each.heading) + 1}")
+        if headings[:place].count(each.heading)
+        else each
+        for place, each in enumerate(series)
+    ]
     read = [_named(each, reading, notes) for each in series]
     axes = [
         place
