@@ -141,6 +141,24 @@ def test_invalid_samples_of_mdf_are_left_out(tmp_path):
     assert torque.abscissa().tolist() == [0.0, 2.0, 3.0]
 
 
+def test_uff_with_another_count_of_numbers_than_its_header_is_refused(tmp_path):
+    """As pyuff writes single precision in binary form."""
+    more = {"ord_data_type": 2, "binary": 1}
+    path = uff(tmp_path / "r.uff", ("M", "Nm", np.arange(7.0), WAVE[:7], more), force_double=False)
+    with pytest.raises(InputError, match="M: has 14 numbers and a header of 7"):
+        read_record(path)
+
+
+def test_an_mdf_that_was_not_finished_is_read_and_left_as_it_is(tmp_path):
+    """As after a loss of power: the count of samples is still to be updated."""
+    path = mdf(tmp_path / "record.mf4", ([("M", "Nm", WAVE)], np.arange(2001.0), ("t", TIME), "g"))
+    content = bytearray(path.read_bytes())
+    content[:8], content[60:62] = b"UnFinMF ", b"\x01\x00"
+    path.write_bytes(content)
+    assert read_record(path).channel("M").values.tolist() == WAVE.tolist()
+    assert path.read_bytes() == content
+
+
 def test_even_times_of_uff_have_six_digits(tmp_path):
     """By pyuff the times are 96 us off after 60 s at 48 kHz; a whole rate fits the digits."""
     times = np.arange(48000) / 48000.0

@@ -8,7 +8,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.satellites.measured.records import text
+from crankfem.satellites.measured.records import series, text
 from crankfem.satellites.measured.records.reading import iter_pieces, read_record
 
 WHEEL = 0.01 * np.arange(40.0) - 0.2
@@ -197,6 +197,7 @@ def test_a_large_text_is_read_in_pieces(tmp_path, monkeypatch, mark):
     path = written(tmp_path, content.replace(".", mark))
     whole = read_record(path).channel("wheel")
     monkeypatch.setattr(text, "MOST_IN_MEMORY", 1000)
+    monkeypatch.setattr(series, "MOST_IN_MEMORY", 1000)
     monkeypatch.setattr(text, "HEAD", 4096)
     monkeypatch.setattr(text, "TAIL", 1024)
     assert len(read_record(path).channel("wheel")) == 5000
@@ -204,7 +205,8 @@ def test_a_large_text_is_read_in_pieces(tmp_path, monkeypatch, mark):
     assert max(values.size for _, values in pieces) == 777
     assert np.concatenate([values for _, values in pieces]).tolist() == whole.values.tolist()
     places = np.concatenate([places for places, _ in pieces])
-    assert np.max(np.abs(places - whole.abscissa())) < 1e-9
+    assert np.array_equal(places, whole.abscissa())
+    assert read_record(path).channel("wheel").rate == 48000.0
     path.write_bytes(
         path.read_bytes().replace(re.findall(rb"\n(0\S+;)", path.read_bytes())[2], b";")
     )

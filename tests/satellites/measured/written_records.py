@@ -43,7 +43,7 @@ def mdf(path, *groups):
     return path
 
 
-def uff(path, *functions):
+def uff(path, *functions, force_double=True):
     """Write functions of time: name, unit, instants, values, and more."""
     import pyuff
 
@@ -54,7 +54,7 @@ def uff(path, *functions):
             "abscissa_spacing": 1, "id1": name, "ordinate_axis_units_lab": unit,
             "x": np.asarray(instants), "data": np.asarray(values, dtype=float),
         }  # fmt: skip
-        pyuff.UFF(str(path)).write_sets(record | more)
+        pyuff.UFF(str(path)).write_sets(record | more, force_double=force_double)
     return path
 
 

@@ -132,8 +132,9 @@ def read_mdf(path: Path, reading: RecordReading) -> Record:
 
     channels: list[Channel] = []
     notes: list[str] = []
-    # By its path asammdf opens a file for writing, too.
-    file = MDF(path.open("rb"))
+    # asammdf finishes a file in a copy, by its path alone; of an opened one it reads channels in pieces.
+    opened = path.open("rb")
+    file = MDF(path if opened.read(5) == b"UnFin" else opened)
     if not file.version.startswith("4"):
         raise InputError(
             f"{path}: is MDF {file.version}; allowed is MDF 4, to which asammdf converts it."
@@ -208,10 +209,11 @@ def read_uff(path: Path, reading: RecordReading) -> Record:
             continue
         name = _labeled(each, "id1") or _labeled(each, "ordinate_axis_lab") or f"set {number}"
         count = int(each["num_pts"])
-        values = np.asarray(each["data"], dtype=np.float64)[:count]
-        if values.size < count:
+        values = np.asarray(each["data"], dtype=np.float64)
+        if values.size != count:
             raise InputError(
-                f"{path}: {name}: has {values.size} of {count} samples; it is damaged."
+                f"{path}: {name}: has {values.size} numbers and a header of {count}, as if it were "
+                "damaged, or of another precision."
             )
         series = Series(name, _labeled(each, "ordinate_axis_units_lab"), Column.of(values))
         group = f"set {number}"
@@ -224,7 +226,7 @@ def read_uff(path: Path, reading: RecordReading) -> Record:
                 even_channel(str(path), group, series, axis, start, step, error, reading, notes)
             )
             continue
-        places = np.asarray(each["x"], dtype=np.float64)[: values.size]
+        places = np.asarray(each["x"], dtype=np.float64)
         largest = float(np.max(np.abs(places), initial=0.0))
         error = _half_digit(largest)
         if each["binary"]:

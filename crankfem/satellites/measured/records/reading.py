@@ -17,6 +17,7 @@ _HERE = __name__.rpartition(".")[0]
 FORMATS = {
     b"TDSm": ("TDMS", "nptdms", "acquisition:read_tdms"),
     b"MDF ": ("MDF 4", "asammdf", "acquisition:read_mdf"),
+    b"UnFinMF": ("MDF 4", "asammdf", "acquisition:read_mdf"),
     b"    -1": ("UFF 58", "pyuff", "acquisition:read_uff"),
     b"MATLAB 5": ("MAT 5", "scipy", "nested:read_mat5"),
     b"MATLAB 7.3": ("MAT 7.3", "h5py", "nested:read_hdf5"),

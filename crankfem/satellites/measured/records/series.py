@@ -9,7 +9,7 @@ import numpy as np
 from crankbase.array_checks import Array
 from crankbase.errors import InputError, quoted
 from crankbase.units import size_in
-from crankfem.satellites.measured.records.record import Channel, Column
+from crankfem.satellites.measured.records.record import SAMPLES, Channel, Column
 from crankfem.satellites.measured.records.units import (
     EVENTS,
     axis_of,
@@ -19,6 +19,8 @@ from crankfem.satellites.measured.records.units import (
 
 # Longer columns are left in the file, and their places are taken as they are.
 MOST_IN_MEMORY = 20_000_000
+# Of so many places the extremes are kept, to tell whether all are even.
+BLOCK = 1000
 # Places that are off even ones by no more than this share of a step are even.
 ROUND_OFF = 1e-6
 # A rate [1/s] is taken as a whole number if its error is smaller, so that no other one is possible.
@@ -74,22 +76,44 @@ class Series:
     gaps: bool = False
 
 
-def even_places(places: Array, error: float) -> tuple[float, float] | None:
-    """Return start and step of places, shape (n,), that are even but for their digits; None of others.
+def even_places(places: Column, error: float) -> tuple[float, float] | None:
+    """Return start and step of places that are even but for their digits; None of others.
+
+    They are read once, in pieces: of each block the extremes around a line through the first piece are kept.
 
     Examples
     --------
-    >>> even_places(np.array([0.0, 0.0003, 0.0007, 0.001]), error=0.5e-4)
+    >>> even_places(Column.of([0.0, 0.0003, 0.0007, 0.001]), error=0.5e-4)
     (0.0, 0.00034)
     """
-    if places.size < 2:
+    start = step = 0.0
+    count, blocks = 0, []
+    for piece in places.read(SAMPLES):
+        index = np.arange(count, count + piece.size, dtype=np.float64)
+        if count == 0:
+            start, step = float(piece[0]), _slope(index, piece)
+        off = piece - (start + step * index)
+        begins = np.arange(0, piece.size, BLOCK)
+        ends = np.minimum(begins + BLOCK, piece.size) - 1
+        extremes = [each.reduceat(off, begins) for each in (np.minimum, np.maximum)]
+        blocks.append(np.array([*extremes, 0.5 * (index[begins] + index[ends])]))
+        count += piece.size
+    if count < 2:
         return None
-    counted = np.arange(places.size) - 0.5 * (places.size - 1)
-    step = float(counted @ places / (counted @ counted))
-    off = places - (np.mean(places) + step * counted)
-    if step <= 0.0 or np.max(np.abs(off)) > max(2.0 * error, ROUND_OFF * step):
+    low, high, middle = np.concatenate(blocks, axis=1)
+    step_error = _slope(middle, 0.5 * (low + high))
+    level = float(np.mean(0.5 * (low + high))) if middle.size > 1 else float(np.mean(off))
+    off = np.array([low, high]) - level - step_error * (middle - np.mean(middle))
+    step += step_error
+    if step <= 0.0 or not np.max(np.abs(off)) <= max(2.0 * error, ROUND_OFF * step):
         return None
-    return float(places[0]), step
+    return start, step
+
+
+def _slope(index: Array, values: Array) -> float:
+    """Return the slope of the line through values, shape (n,), zero of one alone."""
+    centered = index - np.mean(index)
+    return float(centered @ values / (centered @ centered)) if index.size > 1 else 0.0
 
 
 def whole_rate(step: float, count: int, error: float) -> float:
@@ -125,7 +149,7 @@ def channels_of_series(
         if len(read) > 1 and axis_of(name, unit) != "none"
     ]
     # Evenly sampled over one of time and angle, the other one is a channel.
-    evens = {place: _even(series[place]) for place in axes}
+    evens = {place: even_places(series[place].column, series[place].error) for place in axes}
     chosen = next((place for place in axes if evens[place] is not None), axes[0] if axes else None)
     channels = []
     for place, (name, unit, _) in enumerate(read):
@@ -135,7 +159,10 @@ def channels_of_series(
         if channel.si_unit == "s" and EVENTS.search(name) and len(channel) <= MOST_IN_MEMORY:
             check_digits(path, name, unit, channel.values, series[place].error, notes)
         if chosen is None:
-            channels.append(_at_rate(channel, reading))
+            if reading.rate is not None:
+                step = 1.0 / reading.rate
+                channel = replace(channel, axis="time", axis_unit="s", start=0.0, step=step)
+            channels.append(channel)
         else:
             channels.append(
                 over_places(
@@ -170,20 +197,6 @@ def named_channel(group: str, each: Series, reading: RecordReading, notes: list[
     return Channel(name, group, unit, each.column, reference=reference)
 
 
-def _even(each: Series) -> tuple[float, float] | None:
-    if each.column.count > MOST_IN_MEMORY:
-        return None
-    places = each.column.whole
-    return even_places(places[np.isfinite(places)], each.error)
-
-
-def _at_rate(channel: Channel, reading: RecordReading) -> Channel:
-    """Return a channel without time at the rate that is given, if one is."""
-    if reading.rate is None:
-        return channel
-    return replace(channel, axis="time", axis_unit="s", start=0.0, step=1.0 / reading.rate)
-
-
 def over_places(
     path: str,
     channel: Channel,
@@ -206,7 +219,9 @@ def over_places(
     kind = axis_of(name, unit)
     over = replace(channel, axis=kind, axis_unit=unit, error=axis.error)
     if channel.column.count > MOST_IN_MEMORY:
-        return replace(over, places=axis.column)
+        if (even := even_places(axis.column, axis.error)) is None:
+            return replace(over, places=axis.column)
+        return at_steps(path, replace(over, start=even[0], step=even[1]), reading, notes)
     places = axis.column.whole
     if gaps or axis.gaps:
         values = channel.column.whole
@@ -223,7 +238,7 @@ def over_places(
             f"{path}: {name}: given {places[back[0] + 1]:.9g} {unit} after {places[back[0]]:.9g} {unit} in "
             f"sample {back[0] + 2}; allowed are places that increase, because samples follow each other."
         )
-    even = even_places(places, axis.error)
+    even = even_places(Column.of(places), axis.error)
     if even is None:
         check_digits(path, name, unit, places, axis.error, notes)
         if reading.rate is not None and kind == "time":
@@ -253,7 +268,7 @@ def settled_unit(
     if angles.size < FEWEST or not reading.units.keys().isdisjoint((name, "angle")):
         return unit
     step = float(angles[-1] - angles[0]) / (angles.size - 1)
-    even = even_places(angles, error) is not None
+    even = even_places(Column.of(angles), error) is not None
     room = 2.0 * error / (angles.size * abs(step)) + ROUND_OFF if step else 1.0
 
     def fits(turn: float) -> bool:
