@@ -1,0 +1,112 @@
+"""The command `calibrate`."""
+
+from typing import Annotated
+
+import typer
+
+from crankfem.cli import console
+from crankfem.cli.commands.options import EngineArgument, Output, with_output
+
+
+@with_output(units=True, files=True, source="engine")
+def calibrate(
+    engine: EngineArgument,
+    records: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="ORDERS.csv...",
+            help="Tables of orders: columns speed, order, amplitude, phase and scatter, with units.",
+        ),
+    ],
+    at: Annotated[
+        list[str],
+        typer.Option(
+            metavar="PLACE",
+            help='Mass, or element for a torque, of each table in turn, like "free end"; then of --predict.',
+        ),
+    ],
+    move: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="GROUP=TOLERANCE",
+            help="What may move within the maker's tolerance, like flywheel.inertia=5% or "
+            "torsional_compliance=10%; by default [ranges] of the file.",
+        ),
+    ] = None,
+    gains: Annotated[
+        bool, typer.Option("--gains", help="Find the gain of each cylinder, and a weak one.")
+    ] = False,
+    predict: Annotated[
+        list[str] | None,
+        typer.Option(metavar="ORDERS.csv", help="Table left out of the fit, to be predicted."),
+    ] = None,
+    trusted_wheel: Annotated[
+        bool,
+        typer.Option(
+            "--trusted-wheel",
+            help="Angles hold no constants of a toothed wheel at whole orders.",
+        ),
+    ] = False,
+    overlap: Annotated[
+        float,
+        typer.Option(help="Share of its revolutions that a window has in common with the next."),
+    ] = 0.0,
+    zero_unknown: Annotated[
+        bool,
+        typer.Option("--zero-unknown", help="Phases count from a mark, not from top dead center."),
+    ] = False,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="Find intervals by profile likelihood, too.")
+    ] = False,
+    output: Annotated[
+        str | None,
+        typer.Option(metavar="FITTED.toml", help="Write the engine file with the fitted values."),
+    ] = None,
+    *,
+    out: Output,
+) -> None:
+    """Fit an engine's values to measured orders; tell what they cannot, and the new verdict."""
+    from crankbase.errors import InputError
+    from crankfem.analyses.record import with_units
+    from crankfem.satellites.measured.calibration.calibrated import calibrate as calibrated
+    from crankfem.satellites.measured.calibration.groups import parsed_group
+    from crankfem.satellites.measured.calibration.orders_table import read_orders
+    from crankfem.satellites.measured.calibration.told import calibration_parts
+
+    paths = [*records, *(predict or ())]
+    if len(at) != len(paths):
+        raise InputError(
+            f"--at: given {len(at)} for {len(paths)} tables; allowed is one for each, --predict last, "
+            "because orders are compared where they were measured."
+        )
+    tables = {
+        path: read_orders(
+            path,
+            place,
+            wheel=not trusted_wheel,
+            overlap=overlap,
+            zero_known=not zero_unknown,
+        )
+        for path, place in zip(paths, at, strict=True)
+    }
+    if len(tables) < len(paths):
+        raise InputError(
+            "records: given one table twice; allowed is each once, because it would count twice."
+        )
+    with console.RunProgress(out.quiet) as progress:
+        made = calibrated(
+            engine,
+            {path: tables[path] for path in records},
+            dict(parsed_group(text) for text in move or ()),
+            gains=gains,
+            predict={path: tables[path] for path in predict or ()},
+            output=output,
+            profiles=profile,
+            step=progress.step,
+        )
+        progress.finish()
+    if out.json:
+        console.print_json(with_units(made))
+        return
+    *parts, answer = calibration_parts(made)
+    out.show(parts, *(f"Written: {path}" for path in made.files), answer)
