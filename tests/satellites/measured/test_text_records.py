@@ -8,7 +8,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.satellites.measured.records import series, text
+from crankfem.satellites.measured.records import builder, text
 from crankfem.satellites.measured.records.reading import iter_pieces, read_record
 
 WHEEL = 0.01 * np.arange(40.0) - 0.2
@@ -156,7 +156,7 @@ def test_over_the_crank_angle_also_one_that_begins_again(tmp_path):
     angles = np.arange(0.0, 1440.0, 30.0)
     path = written(tmp_path, table("°KW [deg],p [bar]", angles % 720.0, angles, formats="%.1f"))
     (pressure,) = read_record(path).channels
-    assert (pressure.axis, pressure.start, pressure.step) == ("angle", 0.0, close(30.0))
+    assert (pressure.axis, pressure.start, pressure.step) == ("angle", 0.0, close(np.pi / 6.0))
     assert pressure.abscissa() == close(np.radians(angles), abs=1e-12)
 
 
@@ -197,7 +197,7 @@ def test_a_large_text_is_read_in_pieces(tmp_path, monkeypatch, mark):
     path = written(tmp_path, content.replace(".", mark))
     whole = read_record(path).channel("wheel")
     monkeypatch.setattr(text, "MOST_IN_MEMORY", 1000)
-    monkeypatch.setattr(series, "MOST_IN_MEMORY", 1000)
+    monkeypatch.setattr(builder, "MOST_IN_MEMORY", 1000)
     monkeypatch.setattr(text, "HEAD", 4096)
     monkeypatch.setattr(text, "TAIL", 1024)
     assert len(read_record(path).channel("wheel")) == 5000

@@ -20,7 +20,16 @@ def pressure(
         -((np.mod(angles - peak + 180.0, strokes * 180.0) - 180.0) ** 2) / 400.0
     )
     values[5] += noise
-    return Channel("p", "", unit, Column.of(values), axis, "deg", start, 1.0, reference=reference)
+    return Channel(
+        "p",
+        "",
+        unit,
+        Column.of(values),
+        axis,
+        "deg",
+        *np.radians([start, 1.0]),
+        reference=reference,
+    )
 
 
 @pytest.mark.parametrize("start", [-360.0, 0.0, 100.0])

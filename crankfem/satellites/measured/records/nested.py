@@ -13,13 +13,8 @@ from typing import Any
 import numpy as np
 
 from crankbase.array_checks import Array
-from crankfem.satellites.measured.records.acquisition import even_channel
-from crankfem.satellites.measured.records.record import Channel, Column, Record
-from crankfem.satellites.measured.records.series import (
-    RecordReading,
-    Series,
-    channels_of_series,
-)
+from crankfem.satellites.measured.records.builder import RecordBuilder, RecordReading, Series
+from crankfem.satellites.measured.records.record import Column, Record
 from crankfem.satellites.measured.records.units import axis_of, split_heading
 
 # Names of numbers that tell the rate of samples [1/s], their step and their start, in small letters.
@@ -75,7 +70,9 @@ def read_mat5(path: Path, reading: RecordReading) -> Record:
     for name, value in variables.items():
         if not name.startswith("__"):
             _add(top, name, value)
-    return _record(path, "MAT 5", top, reading)
+    builder = RecordBuilder(path, "MAT 5", reading)
+    _collect(builder, top, {}, [])
+    return builder.record
 
 
 def _add(structure: Structure, name: str, value: Any) -> None:
@@ -146,7 +143,9 @@ def read_hdf5(path: Path, reading: RecordReading) -> Record:
         for name, item in file.items():
             if not name.startswith("#"):
                 _add_item(top, path, name, item)
-    return _record(path, "MAT 7.3" if matlab else "HDF5", top, reading)
+    builder = RecordBuilder(path, "MAT 7.3" if matlab else "HDF5", reading)
+    _collect(builder, top, {}, [])
+    return builder.record
 
 
 def _add_attributes(structure: Structure, attributes: Mapping[str, Any]) -> None:
@@ -214,53 +213,39 @@ def _opened(path: Path, name: str) -> Any:
     return opened
 
 
-def _record(path: Path, kind: str, top: Structure, reading: RecordReading) -> Record:
-    channels: list[Channel] = []
-    notes: list[str] = []
-    _collect(str(path), top, {}, [], reading, channels, notes)
-    return Record(str(path), kind, tuple(channels), tuple(dict.fromkeys(notes)))
-
-
 def _collect(
-    path: str,
+    builder: RecordBuilder,
     structure: Structure,
     numbers: Mapping[str, float],
     axes: list[Series],
-    reading: RecordReading,
-    channels: list[Channel],
-    notes: list[str],
 ) -> None:
-    """Collect the channels of a structure and of those in it, with times that are above them."""
+    """Add the channels of a structure and of those in it, with times that are above them."""
     beside = [part for part in structure.parts if part.path[-1].casefold() in AXES]
     numbers = dict(numbers) | structure.numbers
     for part in beside:
         numbers |= part.numbers
         axes = [*axes, *part.vectors]
     vectors = [_titled(structure, each) for each in structure.vectors]
-    group = ".".join(structure.path)
-    if vectors and structure.vectors[0].heading.casefold() in PLAIN and structure.path:
-        group = ".".join(structure.path[:-1])
+    path = structure.path
+    if vectors and structure.vectors[0].heading.casefold() in PLAIN:
+        path = path[:-1]
     rate = next((numbers[key] for key in RATES if key in numbers), 0.0)
     step = next((numbers[key] for key in STEPS if key in numbers), 1.0 / rate if rate else 0.0)
     start = next((numbers[key] for key in STARTS if key in numbers), 0.0)
     own = [each for each in vectors if axis_of(*split_heading(each.heading, each.unit)) != "none"]
-    counts = {each.column.count for each in vectors}
-    for count in sorted(counts):
+    for count in sorted({each.column.count for each in vectors}):
         alike = [each for each in vectors if each.column.count == count]
-        above = [each for each in axes if each.column.count == count]
-        if not any(each in own for each in alike) and not above and step > 0.0:
-            channels += [
-                even_channel(path, group, each, ("time", "s"), start, step, 0.0, reading, notes)
-                for each in alike
-            ]
+        shared = [each for each in axes if each.column.count == count][:1]
+        if any(each in own for each in alike):
+            shared = []
+        elif not shared and step > 0.0:
+            for each in alike:
+                builder.add_even(".".join(path), each, ("time", "s"), start, step)
             continue
-        shared = [] if any(each in own for each in alike) else above[:1]
-        found, more = channels_of_series(path, group, [*shared, *alike], reading)
-        channels += found
-        notes += more
+        builder.add_columns(".".join(path), [*shared, *alike])
     for part in structure.parts:
         if part not in beside:
-            _collect(path, part, numbers, [*axes, *own], reading, channels, notes)
+            _collect(builder, part, numbers, [*axes, *own])
 
 
 def _titled(structure: Structure, each: Series) -> Series:

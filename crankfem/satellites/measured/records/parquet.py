@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from crankbase.array_checks import Array
+from crankfem.satellites.measured.records.builder import RecordBuilder, RecordReading, Series
 from crankfem.satellites.measured.records.record import Column, Record
-from crankfem.satellites.measured.records.series import RecordReading, Series, channels_of_series
 
 UNIT_KEYS = (b"unit", b"units", b"Unit", b"Units")
 # Time stamps count these parts of a second.
@@ -19,15 +19,14 @@ def read_parquet(path: Path, reading: RecordReading) -> Record:
     """Read a table: its columns of numbers and time stamps, which become seconds after the first."""
     from pyarrow import parquet, types
 
-    series: list[Series] = []
-    notes: list[str] = []
+    builder, series = RecordBuilder(path, "Parquet", reading), []
     with parquet.ParquetFile(path) as file:
         schema, count = file.schema_arrow, file.metadata.num_rows
         for place, field in enumerate(schema):
             stamp = types.is_timestamp(field.type) or types.is_duration(field.type)
             if not (stamp or types.is_integer(field.type) or types.is_floating(field.type)
                     or types.is_boolean(field.type)):  # fmt: skip
-                notes.append(f"{field.name}: holds no numbers.")
+                builder.notes.append(f"{field.name}: holds no numbers.")
                 continue
             about = field.metadata or {}
             unit = next((about[key].decode() for key in UNIT_KEYS if key in about), "")
@@ -40,8 +39,8 @@ def read_parquet(path: Path, reading: RecordReading) -> Record:
                     gaps=_may_have_gaps(file.metadata, place),
                 )
             )
-    channels, more = channels_of_series(str(path), "", series, reading)
-    return Record(str(path), "Parquet", channels, (*notes, *more))
+    builder.add_columns("", series)
+    return builder.record
 
 
 def _may_have_gaps(metadata: Any, place: int) -> bool:

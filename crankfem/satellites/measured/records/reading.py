@@ -7,8 +7,8 @@ from pathlib import Path
 from crankbase.array_checks import Array, positive_number
 from crankbase.errors import InputError, MissingLibraryError, shortened
 from crankbase.input_file import not_a_file
+from crankfem.satellites.measured.records.builder import RecordReading
 from crankfem.satellites.measured.records.record import SAMPLES, Record
-from crankfem.satellites.measured.records.series import RecordReading
 from crankfem.satellites.measured.records.text import read_text
 
 Reader = Callable[[Path, RecordReading], Record]

@@ -75,13 +75,13 @@ class Channel:
     axis : str
         What they are over: "time", "angle" (of the crank), or "none".
     axis_unit : str
-        Unit of `start`, `step` and `instants`.
+        Unit of the places in the file; empty if it is unknown.
     start, step : float or None
-        Place of the first sample and distance of all, if they are even.
+        Place of the first sample and distance of all, if they are even [s or rad].
     places : Column or None
-        Place of each sample, if they are not.
+        Place of each sample, if they are not [axis_unit].
     error : float
-        Largest error of a place, by the digits with which the file has it [axis_unit].
+        Largest error of a place, by the digits with which the file has it [s or rad].
     reference : str
         Of a pressure: "absolute", "gauge" (above the atmosphere), or empty if the file does not say.
     """
@@ -121,9 +121,8 @@ class Channel:
         """Samples in a second [1/s]; None if they are not even over time."""
         if self.axis != "time" or self.step is None:
             return None
-        rate = 1.0 / (self.step * self._axis_size())
-        whole = round(rate)
-        return float(whole) if whole and math.isclose(rate, whole, rel_tol=WHOLE) else rate
+        rate = 1.0 / self.step
+        return float(round(rate)) if math.isclose(rate, round(rate), rel_tol=WHOLE) else rate
 
     def si(self) -> Array:
         """Return the samples in SI, shape (n,).
@@ -195,13 +194,11 @@ class Channel:
         return size_in(self.axis_unit, AXIS_UNITS[self.axis])[0]
 
     def _even_places(self, first: int, stop: int) -> Array:
-        size = self._axis_size()
+        self._axis_size()
         assert self.start is not None
         assert self.step is not None
         counted = np.arange(first, stop, dtype=np.float64)
-        if self.rate is not None:
-            return self.start * size + counted / self.rate
-        return (self.start + self.step * counted) * size
+        return self.start + (counted * self.step if self.rate is None else counted / self.rate)
 
 
 @dataclass(frozen=True, eq=False)

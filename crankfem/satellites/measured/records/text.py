@@ -22,12 +22,8 @@ from crankbase.exported_table import (
     split_line,
 )
 from crankbase.input_file import UTF_16, InputFile
+from crankfem.satellites.measured.records.builder import RecordBuilder, RecordReading, Series
 from crankfem.satellites.measured.records.record import Column, Record
-from crankfem.satellites.measured.records.series import (
-    RecordReading,
-    Series,
-    channels_of_series,
-)
 
 # Bytes that tell how a file is written, and those of its end that tell digits.
 HEAD, TAIL = 262_144, 65_536
@@ -46,7 +42,7 @@ def read_text(path: Path, reading: RecordReading) -> Record:
     Raises
     ------
     InputError
-        If a cell is no number, a column that is named is not there, or as `channels_of_series`.
+        If a cell is no number, a column that is named is not there, or as `RecordBuilder`.
     """
     with path.open("rb") as file:
         head = file.read(HEAD)
@@ -77,19 +73,19 @@ def read_text(path: Path, reading: RecordReading) -> Record:
     headings = table.headings or tuple(f"column {place + 1}" for place in range(table.columns))
     units = table.units or ("",) * table.columns
     series = [Series(*each) for each in zip(headings, units, columns, errors, gaps, strict=True)]
-    notes = []
+    builder = RecordBuilder(path, "CSV", reading)
     if reading.columns:
         series = [
             replace(series[place], heading=name, unit="")
             for name, place in _named_places(path, table, reading).items()
         ]
     elif not table.headings:
-        notes.append(
+        builder.notes.append(
             "There is no header, so that no column is taken as time or angle; say which is what, like "
             "columns = { time_s = 1, wheel_V = 2 }."
         )
-    channels, more = channels_of_series(str(path), "", series, reading)
-    return Record(str(path), "CSV", channels, (*notes, *more))
+    builder.add_columns("", series)
+    return builder.record
 
 
 def _named_places(path: Path, table: ExportedTable, reading: RecordReading) -> dict[str, int]:
