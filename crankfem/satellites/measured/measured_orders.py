@@ -24,7 +24,7 @@ class MeasuredOrders:
     drive, and the torque in an element where it drives its first node forwards, as `ElementLoads.elastic`.
     Angles hold the part of the rigid body, as `ForcedResponse.nodes` does. The angle phi is zero where the
     engine file's shaft angle is; where `zero_known` is false it counts from the mark of the wheel, and the
-    calculated amplitudes are X_k exp(i k a) with one unknown angle a.
+    calculated amplitudes are X_k exp(-i k a), with a the unknown shaft angle at the mark.
 
     Parameters
     ----------

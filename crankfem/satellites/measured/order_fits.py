@@ -1,4 +1,4 @@
-"""Least-squares fits of orders to samples at uneven angles: in windows, or with amplitudes along the whole record.
+"""Least-squares fits of orders to samples at uneven angles: in windows, or along a whole record.
 
 A signal is base(t) + Re sum_k X_k(t) exp(i k phi). Samples are fitted where they are, so that nothing is put
 into a gap of a wheel. Teeth pass at known angles a, and a = phi(t) + Re sum_k X_k exp(i k phi): the base is
@@ -6,7 +6,7 @@ the rigid angle phi itself, which follows from the angles of the teeth in a few 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,17 +46,20 @@ class Samples:
         The rigid one; of a wheel, that of the teeth, which is the value too.
     tooth : ndarray or None
         Of a wheel, the number of each pulse's tooth within the revolution.
+    pitches : int
+        Of the wheel.
     """
 
     time: Array
     angle: Array
     value: Array
     tooth: Integers | None = None
+    pitches: int = 1
 
     def within(self, rows: Flags | slice) -> "Samples":
         """Return some of them."""
         tooth = None if self.tooth is None else self.tooth[rows]
-        return Samples(self.time[rows], self.angle[rows], self.value[rows], tooth)
+        return Samples(self.time[rows], self.angle[rows], self.value[rows], tooth, self.pitches)
 
     @property
     def revolutions(self) -> float:
@@ -72,10 +75,12 @@ class OrderFit:
     ----------
     condition : float
         Of the worst window.
-    rigid : callable
-        Rigid angle [rad] at times [s], of a wheel.
     residual : float
         Root mean square of what is left [unit of the values].
+    rigid : callable
+        Rigid angle [rad] at times [s], of a wheel.
+    left : ndarray
+        What is left of each sample, of a fit along the whole record.
     """
 
     speed: Array
@@ -86,6 +91,7 @@ class OrderFit:
     condition: float
     residual: float
     rigid: Callable[[Array], Array] | None = None
+    left: Array | None = None
 
 
 def spacing(orders: Array) -> float:
@@ -114,24 +120,32 @@ def fit_windows(samples: Samples, orders: Array, ends: Array, *, linear: bool = 
             f"window: given {shortest:.3g} revolutions; allowed are at least {least:.3g}, because orders "
             f"{spacing(orders):g} apart are told apart over so many."
         )
-    fits = [
-        _window(samples.within(slice(*np.searchsorted(samples.angle, pair))), orders, linear)
-        for pair in ends
-    ]
+    rows = [slice(*np.searchsorted(samples.angle, pair).tolist()) for pair in ends]
+    fits = [_window(samples.within(row), orders, linear) for row in rows]
+    if samples.tooth is not None and samples.revolutions >= FOR_PITCHES:
+        # What is left of a tooth in all windows is its own: it would spoil orders at their ends.
+        teeth = np.concatenate([samples.tooth[row] for row in rows])
+        left = np.bincount(teeth, np.concatenate([fit[6] for fit in fits]))
+        off = (left / np.maximum(np.bincount(teeth), 1))[np.minimum(samples.tooth, teeth.max())]
+        mended = replace(samples, angle=samples.angle - off, value=samples.value - off)
+        fits = [_window(mended.within(row), orders, linear) for row in rows]
     common = np.minimum(ends[:, 1], ends[:, 1, None]) - np.maximum(ends[:, 0], ends[:, 0, None])
     length = ends[:, 1] - ends[:, 0]
     return OrderFit(
-        *(np.array([fit[part] for fit in fits]) for part in range(4)),
-        np.maximum(common, 0.0) / np.sqrt(np.outer(length, length)),
-        max(fit[4] for fit in fits),
-        float(np.sqrt(np.mean([fit[5] ** 2 for fit in fits]))),
+        speed=np.array([fit[0] for fit in fits]),
+        ramp=np.array([fit[1] for fit in fits]),
+        amplitude=np.array([fit[2] for fit in fits]),
+        scatter=np.array([fit[3] for fit in fits]),
+        correlation=np.maximum(common, 0.0) / np.sqrt(np.outer(length, length)),
+        condition=max(fit[4] for fit in fits),
+        residual=float(np.sqrt(np.mean([fit[5] ** 2 for fit in fits]))),
     )
 
 
 def _window(
     samples: Samples, orders: Array, linear: bool
-) -> tuple[float, float, ComplexArray, Array, float, float]:
-    """Return speed, ramp, amplitudes, scatter, condition and residual of one window."""
+) -> tuple[float, float, ComplexArray, Array, float, float, Array]:
+    """Return speed, ramp, amplitudes, scatter, condition, residual and what is left of one window."""
     time = samples.time
     half = 0.5 * float(time[-1] - time[0]) if time.size > 1 else 1.0
     u = (time - time[0]) / half - 1.0
@@ -165,11 +179,11 @@ def _window(
         speed, ramp = float(angle[1]) / half, 2.0 * float(angle[2]) / half**2
     amplitude = pairs[:, 0] + 1j * pairs[:, 1]
     scatter = np.sqrt(0.5 * np.sum(error.reshape(-1, 2) ** 2, axis=1))
-    return speed, ramp, amplitude, scatter, condition, float(np.sqrt(variance))
+    return speed, ramp, amplitude, scatter, condition, float(np.sqrt(variance)), left
 
 
 def separation(samples: Samples, orders: Array) -> float:
-    """Return how well orders are told apart over a shortest window in the middle: the condition of their waves.
+    """Return the condition of the waves of orders over a shortest window in the middle.
 
     Raises
     ------
@@ -228,7 +242,9 @@ class _Splines:
         knots = np.concatenate((before, inner, after))
         sparse = BSpline.design_matrix(time, knots, DEGREE)
         shape = (time.size, DEGREE + 1)
-        return cls(knots, sparse.data.reshape(shape), sparse.indices.reshape(shape)[:, 0])
+        return cls(
+            knots, sparse.data.reshape(shape), sparse.indices.reshape(shape)[:, 0].astype(np.int64)
+        )
 
     @property
     def count(self) -> int:
@@ -270,12 +286,20 @@ def fit_along(samples: Samples, orders: Array, at: Array) -> OrderFit:
         raise _too_many(orders, samples.time.size, free)
     bend = np.diff(np.eye(splines.count), 2, axis=0)
     bend = bend.T @ bend * (samples.time.size / splines.count)
-    power, pitch = float(FIRST_WEIGHT), np.zeros(value.size)
+    power = float(FIRST_WEIGHT)
     of_each = of_wheel and samples.revolutions >= FOR_PITCHES
     fixed = 2 * orders.size * (splines.count - 2)
 
+    def constants(off: Array) -> Array:
+        """Return the mean of the pitch errors and their whole orders, as Re and Im of each."""
+        assert samples.tooth is not None
+        teeth = np.unique(samples.tooth)
+        angles = np.asarray(TURN / samples.pitches * teeth, dtype=float)
+        columns = np.hstack((np.ones((teeth.size, 1)), waves(angles, orders[orders % 1.0 == 0.0])))
+        return np.asarray(np.linalg.lstsq(columns, off[teeth])[0])
+
     def solve(power: float) -> tuple[float, Array, Array, Array, float]:
-        """Return the likelihood's measure, coefficients, pitch errors, what is left and its variance."""
+        """Return the likelihood's measure, coefficients, errors of teeth, what is left and its variance."""
         whole = matrix.copy()
         for below in range(3):
             rows = np.zeros((splines.count - below, unknowns))
@@ -285,13 +309,17 @@ def fit_along(samples: Samples, orders: Array, at: Array) -> OrderFit:
         pairs = cho_solve_banded((factor, True), right, check_finite=False)
         off = _pitch_errors(samples.tooth, pairs, right, value, noise) if of_each else np.zeros(0)
         solved = (pairs[:, 0] - pairs[:, 1:] @ off).reshape(splines.count, unknowns)
+        if of_each:
+            # The base, too, may move by a constant: the mean tooth is where an even wheel has it.
+            solved[:, 0] += constants(off)[0]
+            off = off - constants(off)[0]
         pitch = off[samples.tooth] if of_each else np.zeros(value.size)
         left = value - pitch - np.sum(splines.at(solved) * wave, axis=1)
         bent = 10.0**power * float(np.sum(solved[:, 1:] * (bend @ solved[:, 1:])))
         variance = (float(left @ left) + bent) / (value.size - free)
         determinant = 2.0 * float(np.sum(np.log(factor[0])))
         measure = (value.size - free) * np.log(variance) + determinant
-        return measure - fixed * power * np.log(10.0), solved, pitch, left, variance
+        return measure - fixed * power * np.log(10.0), solved, off, left, variance
 
     passes = PASSES if of_wheel else 1
     noise = float(np.mean(np.diff(samples.value) ** 2)) * USUAL_PITCH_ERROR**2
@@ -300,19 +328,17 @@ def fit_along(samples: Samples, orders: Array, at: Array) -> OrderFit:
         matrix, right = _normal(splines, wave, value, samples.tooth if of_each else None)
         if turn == passes:
             power = _best_power(lambda tried: solve(tried)[0])
-        _, solved, pitch, left, variance = solve(power)
+        _, solved, off, left, variance = solve(power)
         noise = variance
         if of_wheel:
             moved = np.sum(splines.at(solved)[:, 1:] * wave[:, 1:], axis=1)
-            rigid = samples.value - pitch - moved
+            rigid = samples.value - moved - (off[samples.tooth] if of_each else 0.0)
     times = np.interp(at, samples.angle, samples.time)
     covariance, worse = _errors(splines, matrix, bend * 10.0**power, orders, times)
     deviation = np.sqrt(np.diag(covariance))
     pairs = splines.over(solved[:, 1:], times).reshape(times.size, -1, 2)
     if of_each:
-        whole = orders % 1.0 == 0.0
-        constant = np.hstack((np.ones((rigid.size, 1)), waves(samples.angle, orders[whole])))
-        pairs[:, whole] += np.linalg.lstsq(constant, pitch)[0][1:].reshape(-1, 2)
+        pairs[:, orders % 1.0 == 0.0] += constants(off)[1:].reshape(-1, 2)
     if of_wheel:
         # The base is the rigid angle.
         speed = splines.over(solved[:, 0], times, 1) + trend.deriv()(times)
@@ -331,13 +357,14 @@ def fit_along(samples: Samples, orders: Array, at: Array) -> OrderFit:
         condition,
         float(np.sqrt(np.mean(left**2))),
         lambda moments: splines.over(solved[:, 0], moments) + trend(moments),
+        left,
     )
 
 
 def _normal(
     splines: _Splines, wave: Array, value: Array, tooth: Integers | None = None
 ) -> tuple[Array, Array]:
-    """Return the lower band of the normal equations, and their right sides: of the values, and of each tooth."""
+    """Return the lower band of the normal equations, and the right sides of the values and of each tooth."""
     unknowns = wave.shape[1]
     width = (DEGREE + 1) * unknowns
     band = np.zeros((width, splines.count * unknowns))
@@ -384,7 +411,7 @@ def _pitch_errors(
     assert tooth is not None
     squares = np.diag(np.bincount(tooth).astype(float)) - right[:, 1:].T @ solved[:, 1:]
     sums = np.bincount(tooth, value) - right[:, 1:].T @ solved[:, 0]
-    usual = USUAL_PITCH_ERROR * TURN / tooth.max()
+    usual = USUAL_PITCH_ERROR * TURN / int(tooth.max() + 1)
     return np.asarray(np.linalg.solve(squares + (noise / usual**2) * np.eye(sums.size), sums))
 
 

@@ -14,7 +14,7 @@ Edge = Literal["rising", "falling"]
 PIECE = 2**21
 # The level is that of ordinary teeth: of so many blocks, each long enough for two teeth, the median.
 BLOCKS_OF_LEVEL, TEETH_OF_BLOCK = 15, 2
-# A crossing counts where the signal swings past this share of half of an ordinary tooth's range, on either side.
+# A crossing counts where the signal passes this share of half of an ordinary tooth's range on either side.
 HYSTERESIS = 0.25
 # A piece whose ordinary range is below this share of the largest one has no teeth: the shaft stands still.
 STILL = 0.02
@@ -52,8 +52,8 @@ def pulse_times(
     Notes
     -----
     The level follows the median of the highest and of the lowest values in blocks of a few teeth, so that one
-    magnetic tooth moves it as little as a gap does; it is a line between the middles of the blocks. A crossing
-    counts between a swing past the band above the level and one below, and noise within the band does not.
+    magnetic tooth moves it as little as a gap does; it is a line between the middles of the blocks. Crossings
+    count from beyond the band on one side to beyond it on the other, and noise within it does not.
     """
     crossings: list[Array] = []
     carried = np.empty(0)
@@ -108,10 +108,7 @@ def _levels(samples: Array) -> tuple[Array, Array]:
 
 
 def _crossings(samples: Array, band: Array) -> tuple[Array, Flags, int]:
-    """Return crossings of zero in samples, whether each rises, and from which sample on the next piece begins.
-
-    A swing is what is between two changes of sign; those that stay in the band are part of their neighbors.
-    """
+    """Return crossings of zero in samples, whether each rises, and the first sample of the next piece."""
     from scipy.ndimage import median_filter
 
     positive, over = samples > 0.0, np.flatnonzero(np.abs(samples) > band)

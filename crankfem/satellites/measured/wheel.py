@@ -225,16 +225,14 @@ def _by_marks(
     Where all pitches between marks are counted, their numbers differ by whole revolutions. A mark that
     disagrees with its neighbors is a tooth that was lost; where all after it disagree, pitches were.
     """
-    from scipy.ndimage import median_filter
-
     what = "double tooth" if wheel.double else f"gap of {wheel.missing} teeth"
     if not marks.size:
         raise _not_this(steps, wheel, f"there is no {what} among {number.size} pulses")
     usual = np.bincount(number[marks] % wheel.pitches).argmax()
     half = wheel.pitches // 2
     shift = (number[marks] - usual + half) % wheel.pitches - half
-    agreed = median_filter(shift, min(AGREEING, shift.size), mode="nearest")
-    marks, shift = marks[shift == agreed], shift[shift == agreed]
+    agreeing = shift == _usual_nearby(shift)
+    marks, shift = marks[agreeing], shift[agreeing]
     turns = (number[-1] - number[0]) / wheel.pitches
     if marks.size < MARKED * (turns - 1.0):
         raise _not_this(
@@ -245,6 +243,18 @@ def _by_marks(
     sure = shift[last] == shift[following]
     counted = number - usual - shift[last]
     return counted - counted[sure][0] // wheel.pitches * wheel.pitches, sure
+
+
+def _usual_nearby(shift: Integers) -> Integers:
+    """Return the most frequent shift of each mark's neighbors; zero, that of most marks, if several are."""
+    usual = np.zeros_like(shift)
+    for place in range(shift.size):
+        values, counts = np.unique(
+            shift[max(place - AGREEING, 0) : place + AGREEING + 1], return_counts=True
+        )
+        most = values[counts == counts.max()]
+        usual[place] = 0 if 0 in most else most[0]
+    return usual
 
 
 def _not_this(steps: Integers, wheel: Wheel, why: str) -> InputError:
