@@ -182,6 +182,10 @@ def check_file(file: str | TomlFile) -> CheckedFile:
     if content is None:
         return checked
     used = {*USES, *uses_of_satellites()}
+    throws = (checked.throw, *checked.throws.values())
+    if not all(throw is None or isinstance(throw, CrankThrow) for throw in throws):
+        commands = tuple(name for name in checked.commands if name != "formulas")
+        checked = replace(checked, commands=commands)
     unused = {name: not_used(content, name) for name in checked.commands if name in used}
     return replace(checked, not_used=unused)
 

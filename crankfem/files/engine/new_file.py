@@ -114,7 +114,7 @@ def engine_template(
         choices = [np.append(fires, (fires + angle + 360.0 * turn) % cycle) for turn in turns]
         fires = min(choices, key=lambda chosen: round(np.ptp(_intervals(chosen, strokes)), 6))
         axes = np.repeat([-0.5 * angle, 0.5 * angle], throws)
-        bank_lines = BANKS.substitute(angles=_angles_text(axes))
+        bank_lines = BANKS.substitute(angles=angles_text(axes))
         arranged, like, sizes = f"in V of {angle:.6g} deg", f"each bank {like}", V_SIZES
     steps = _intervals(fires, strokes)
     if min(steps) < np.degrees(EVEN):
@@ -122,11 +122,6 @@ def engine_template(
             f"--v-angle: given {v_angle}, at which cylinders of both banks fire together; allowed are other "
             'angles, or "even".'
         )
-    evenly = (
-        f"every {steps[0]:.6g} deg"
-        if np.ptp(steps) < np.degrees(EVEN)
-        else written(intervals_text(steps.tolist()))
-    )
     title = f"{cylinders} {'cylinder' if cylinders == 1 else 'cylinders'} {arranged}"
     text = files("crankfem.files.engine").joinpath("template.toml").read_text(encoding="utf-8")
     return Template(text).substitute(
@@ -138,10 +133,10 @@ def engine_template(
         strokes=strokes,
         thrust=throws + 1,
         like=like,
-        crank_angles=_angles_text(np.tile(cranks, banks)),
-        throw_angles=_angles_text(cranks),
+        crank_angles=angles_text(np.tile(cranks, banks)),
+        throw_angles=angles_text(cranks),
         bank_lines=bank_lines,
-        evenly=evenly,
+        evenly=steps_text(steps),
         firing_order=", ".join(map(str, 1 + np.argsort(np.round(fires, 6), kind="stable"))),
         highest_order=max(12, 2 * cylinders // strokes),  # that at which all cylinders act in phase
     )
@@ -177,6 +172,13 @@ def even_v_angle_deg(cylinders: int, strokes: int) -> float:
     return min(usable, key=lambda angle: abs(angle - USUAL_V_ANGLE), default=90.0)
 
 
+def steps_text(steps: Array) -> str:
+    """Write firing intervals [deg]."""
+    if np.ptp(steps) < np.degrees(EVEN):
+        return f"every {steps[0]:.6g} deg"
+    return written(intervals_text(steps.tolist()))
+
+
 def _v_angle_deg(text: str, cylinders: int, strokes: int) -> float:
     if text == "even":
         return even_v_angle_deg(cylinders, strokes)
@@ -194,5 +196,6 @@ def _intervals(fires_deg: Array, strokes: int) -> Array:
     return np.degrees(firing_intervals(np.radians(fires_deg).tolist(), strokes))
 
 
-def _angles_text(angles_deg: Array) -> str:
+def angles_text(angles_deg: Array) -> str:
+    """Write angles [deg] as a list of quantities."""
     return ", ".join(f'"{angle:.10g} deg"' for angle in angles_deg)

@@ -1,5 +1,6 @@
 """The command `cad`."""
 
+import os
 from typing import Annotated
 
 import typer
@@ -54,19 +55,36 @@ def cad(
             metavar="FOLDER", help="Write the throws as STEP files, which crankfem throw takes."
         ),
     ] = None,
+    engine: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MINE.toml",
+            help="Write an engine file with the throws, and examples of what CAD does not tell.",
+        ),
+    ] = None,
     *,
     out: Output,
 ) -> None:
     """Find the crankshaft in a STEP file, cut it into throws, and analyze each kind of throw once."""
     from pathlib import Path
 
+    from crankbase.outputs import write_user_file
     from crankfem.analyses.record import with_units
-    from crankfem.jobs.outputs import check_outputs, make_output_folder
+    from crankfem.jobs.outputs import check_outputs, check_writable, make_output_folder
+    from crankfem.satellites.cad.new_engine import engine_text
     from crankfem.satellites.cad.run import run_cad
 
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
     moved = _moved(cut or [])
     check_outputs(None, None, Path(file))
+    written = None if engine is None else Path(engine)
+    if written is not None:
+        if written.suffix != ".toml":
+            raise InputError(f"--engine: given {engine}; allowed is a name ending in .toml.")
+        if os.path.lexists(written):
+            raise InputError(f"--engine: {engine} exists already; give a new file name.")
+        check_writable(written, "input file", Path(file))
+        throws = throws or str(written.with_name(f"{written.stem}-throws"))
     folder = make_output_folder("--throws", throws, (), "solid")
     with console.RunProgress(out.quiet) as progress:
         run = run_cad(
@@ -79,12 +97,17 @@ def cad(
             on_step=progress.step,
         )
         progress.finish()
+    files = [f"Throws: {throws} ({len(run.files)} files)"] if folder is not None else []
+    made = {}
+    if written is not None:
+        write_user_file(written, engine_text(run, written).encode())
+        made = {"engine": engine}
+        files.append(f"Engine file: {engine}; next: crankfem check {engine}")
     if out.json:
-        print_json(with_units(run))
+        print_json(with_units(run) | made)
         return
-    written = [f"Throws: {throws} ({len(run.files)} files)"] if folder is not None else []
     *parts, answer = run.parts()
-    out.show(parts, *written, answer)
+    out.show(parts, *files, answer)
 
 
 def _moved(texts: list[str]) -> dict[int, float]:

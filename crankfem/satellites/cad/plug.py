@@ -9,6 +9,7 @@ PLUGS = (
         examples=(
             "cad crank.step",
             'cad crank.step --free-end high --cut "1=-5 mm" --throws parts',
+            "cad crank.step --engine mine.toml",
         ),
     ),
 )

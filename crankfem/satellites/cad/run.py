@@ -177,7 +177,7 @@ class CadRun(Result):
             "Solids in the file",
             self.solids,
             (Column("solid", words=True), "name"),
-            (Column("volume", "cm^3"), "volume"),
+            (Column("volume", "dm^3"), "volume"),
             (Column("center x y z", "mm", joint="  "), lambda solid: [*solid.center]),
             (
                 Column("size x y z", "mm", joint="  "),

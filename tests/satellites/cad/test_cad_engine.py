@@ -1,10 +1,12 @@
 """Engine files whose throws are in STEP files."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
 
+from cad_files import Posture, write_shaft
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.file_check import check_file
@@ -15,12 +17,16 @@ from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.toml_text import toml_text
+from crankfem.satellites.cad.new_engine import engine_text
+from crankfem.satellites.cad.run import run_cad
 from fem.analysis import analyze_throw
 from geometry.crankshaft import throw_masses
 from geometry.solid_files import write_step
 
 pytestmark = pytest.mark.slow
 NAME = "6chn25-34"
+TURNED = Posture((0.4, -1.1, 0.7), (0.3, -0.2, 0.1), unit="inch", beside=True)
 
 
 def without(text, section):
@@ -139,3 +145,77 @@ def test_what_a_part_cannot_be_used_for_is_refused(file, old, new, reason):
     with pytest.raises(InputError) as error:
         load_engine(path)
     assert str(error.value).startswith(reason)
+
+
+@pytest.fixture(scope="module", params=["yamz-5340", "cat-3116"])
+def round_trip(request, tmp_path_factory):
+    """A shipped engine, and what is written for its crankshaft and filled in with its other sections."""
+    folder = tmp_path_factory.mktemp("round-trip")
+    shipped = load_engine(request.param)
+    file = write_shaft(folder / "crank.step", shipped.crankshaft, TURNED)
+    mine = folder / "mine.toml"
+    mine.write_text(
+        engine_text(run_cad(file, accuracy=None, folder=folder / "throws"), mine), encoding="utf-8"
+    )
+    written = tomllib.loads(mine.read_text(encoding="utf-8"))
+    rest = tomllib.loads(shipped.text)
+    rest.pop("study", None)
+    for section in ("throw", "shaft_ends"):
+        if section in written:
+            rest[section] = written[section]
+    filled = folder / "filled.toml"
+    filled.write_text(toml_text(rest), encoding="utf-8")
+    return mine, load_engine(filled), shipped
+
+
+def test_a_written_file_runs_unchanged(round_trip):
+    mine, _, shipped = round_trip
+    engine = load_engine(mine)
+    assert engine.whole
+    assert engine.engine.stroke == close(shipped.engine.stroke, rel=1e-9)
+    assert engine.throw_angles_deg == close(shipped.throw_angles_deg, abs=1e-6)
+    assumed = {record.field for record in engine.records if record.assumed}
+    assert {"engine.bore", "engine.firing_order", "rod.length", "gas.peak_pressure"} <= assumed
+    assert not {"engine.stroke", "engine.crank_angles", "throw.file"} & assumed
+
+
+def test_the_command_replaces_no_engine_file(call, round_trip, tmp_path):
+    mine = tmp_path / "mine.toml"
+    line = ("cad", str(round_trip[0].with_name("crank.step")), "--no-fe", "--engine")
+    assert call(*line, str(mine)).code == 0
+    written = mine.read_text(encoding="utf-8")
+    assert load_engine(mine).throw.path == str(tmp_path / "mine-throws" / "throw-1.step")
+    for name, reason in (("mine.toml", "exists already"), ("mine.txt", "a name ending in .toml")):
+        answer = call(*line, str(tmp_path / name))
+        assert (answer.code, answer.out) == (2, "")
+        assert reason in answer.err
+    assert mine.read_text(encoding="utf-8") == written
+
+
+def test_a_filled_in_file_vibrates_as_the_engine_does(round_trip):
+    _, cad, shipped = round_trip
+    answers = []
+    for file in (cad, shipped):
+        analysis = analyze_throw(file.throw, file.material, accuracy=0.05)
+        answers.append(engine_vibration(file, analysis=analysis))
+    error = sum(answer.analysis.error_estimate for answer in answers)
+    for kind in ("axial", "torsional"):
+        modes = [answer.modes(kind).chosen.elastic_frequencies[:3] for answer in answers]
+        assert modes[0] == close(modes[1], rel=0.5 * error)
+        assert modes[0] != close(modes[1], rel=1e-12)
+        cad_peaks, peaks = (
+            {(peak.mode, peak.order): peak for peak in answer.forced_of(kind).peaks}
+            for answer in answers
+        )
+        largest = max(peaks.values(), key=lambda peak: peak.severity)
+        same = cad_peaks[largest.mode, largest.order]
+        assert same.speed == close(largest.speed, rel=0.5 * error)
+        assert same.amplitude == close(largest.amplitude, rel=2.0 * error)
+    checks = [answer.worst_check for answer in answers]
+    assert checks[0].limit.name == checks[1].limit.name
+    assert checks[0].worst_value == close(checks[1].worst_value, rel=2.0 * error)
+    balances = [shaft_balance(file) for file in (cad, shipped)]
+    assert balances[0].mass == close(balances[1].mass, rel=1e-5)
+    assert balances[0].inertia_about_shaft == close(balances[1].inertia_about_shaft, rel=1e-5)
+    scale = shipped.throw.crank_radius * balances[1].mass
+    assert balances[0].unbalance.static == close(balances[1].unbalance.static, abs=1e-5 * scale)

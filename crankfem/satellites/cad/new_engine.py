@@ -1,0 +1,197 @@
+"""The text of an engine file for a crankshaft from CAD: what the solid tells, and examples of the rest."""
+
+import math
+import os
+import re
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+import numpy as np
+
+from crankfem.files.engine.new_file import IN_LINE, IN_LINE_SIZES, angles_text, steps_text
+from crankfem.satellites.cad.run import FLANGE, CadRun, EndOfShaft
+from dynamics.engine.layout import (
+    even_firing_order,
+    firing_angles_of_order,
+    firing_intervals,
+    least_uneven_order,
+)
+
+# Of the crank radius to which the template's examples belong [m]; similar engines have equal stresses and
+# piston speeds, so that a value of this unit varies with this power of the size.
+EXAMPLE_RADIUS = 0.17
+POWERS = {"mm": 1, "kg": 3, "kg m^2": 5, "1/min": -1, "N/m": 1, "MPa": 0}
+EXAMPLE = re.compile(r'\{ value = "([\d.e]+) ([^"]+)", assumed = "example([^"]*)" \}')
+# Of the template: its first words, the hint at other arrangements, the throw and all to the rods, the study.
+HEAD = re.compile(r"(?m)^# An engine file of crankfem.*\n.*\n")
+OTHERS = re.compile(r"(?m)^# For others start.*\n.*\n")
+SHAFT = re.compile(r"(?s)# ---- One crank throw.*?(?=# ---- What moves)")
+STUDY = re.compile(r"(?s)# Finite elements over ranges.*?(?=# Short names)")
+STEEL_TEXT = (
+    ("youngs_modulus", '"210 GPa"'),
+    ("poisson_ratio", "0.3"),
+    ("density", '"7850 kg/m^3"'),
+)
+# Angles of cranks are alike to this [deg].
+ALIKE = 0.01
+
+
+def engine_text(run: CadRun, path: Path, dimensions: Sequence[str] = ()) -> str:
+    """Return the text of an engine file for a crankshaft, which runs unchanged.
+
+    Parameters
+    ----------
+    run : CadRun
+        With the throws' files kept.
+    path : Path
+        Of the engine file; those of the throws are named as seen from its folder.
+    dimensions : sequence of str
+        For each kind of throw, in their order, its dimensions; "" for none.
+    """
+    shaft, source = run.shaft, Path(run.file).name
+    cranks = [round(pin.angle_deg, 6) for pin in sorted(shaft.pins, key=lambda pin: pin.start)]
+    pins, throws = len(cranks), len(run.throws)
+    strokes, order, sense, like = firing_order(cranks)
+    fires = firing_angles_of_order(order, _tops(cranks, sense), strokes)
+    text = files("crankfem.files.engine").joinpath("template.toml").read_text(encoding="utf-8")
+    text = Template(text).substitute(
+        IN_LINE_SIZES,
+        title=f"The engine of the crankshaft in {source}",
+        file=path.name,
+        name=path.stem,
+        cylinders=pins,
+        strokes=strokes,
+        thrust=throws + 1,
+        like=like,
+        crank_angles=angles_text(np.array(cranks)),
+        throw_angles="",
+        bank_lines="",
+        evenly=steps_text(np.degrees(firing_intervals(fires, strokes))),
+        firing_order=", ".join(map(str, order)),
+        highest_order=max(12, 2 * pins // strokes),
+    )
+    radius = shaft.throws[0].crank_radius
+    of_solid = f'source = "{source}"'
+    text = text.replace(
+        'stroke = { value = "340 mm", assumed = "example" }',
+        f'stroke = {{ value = "{_millimeters(2.0 * radius)}", {of_solid} }}',
+    )
+    text = re.sub(r"(?m)^(crank_angles = .*?), assumed = .*", rf"\1, {of_solid} }}", text)
+    if pins > throws:
+        on_throws = ", ".join(str(1 + place * throws // pins) for place in range(pins))
+        text = text.replace(
+            "# Cylinder numbers as they", f"throws = [{on_throws}]\n# Cylinder numbers as they"
+        )
+    text = HEAD.sub(
+        f"# Written by crankfem from {source}, which gives throws, angles, masses and stroke. Values marked\n"
+        "# as assumed are examples of this stroke, cylinders in line, one on each pin: replace them, then\n",
+        text,
+    )
+    text = STUDY.sub("", OTHERS.sub("", text))
+    text = SHAFT.sub(lambda _: _shaft(run, path, of_solid, dimensions, pins > throws), text)
+    ends = {end.name: end for end in run.ends}
+    if FLANGE in ends:
+        flange = ends[FLANGE]
+        text = text.replace(
+            "[flywheel]\n",
+            f"# Its mass and inertia include those of the flange, {_weight(flange)}.\n[flywheel]\n"
+            f'overhang = {{ value = "{_millimeters(flange.length)}", source = "{source}: far side of the '
+            'flange" }\n',
+        )
+    scale = radius / EXAMPLE_RADIUS
+
+    def scaled(match: re.Match[str]) -> str:
+        value = float(f"{float(match[1]) * scale ** POWERS[match[2]]:.3g}")
+        return f'{{ value = "{value:g} {match[2]}", assumed = "example of this stroke{match[3]}" }}'
+
+    return EXAMPLE.sub(scaled, text)
+
+
+def firing_order(cranks_deg: Sequence[float]) -> tuple[int, tuple[int, ...], int, str]:
+    """Return strokes, firing order and sense of rotation of cylinders in line with these cranks, and why.
+
+    The shaft turns against (-1) or in the sense in which its angles count, as the usual order needs it.
+
+    Examples
+    --------
+    >>> firing_order([0.0, 180.0, 180.0, 0.0])
+    (4, (1, 3, 4, 2), -1, 'usual for 4 in line with these cranks')
+    """
+    count = len(cranks_deg)
+    for strokes, orders in IN_LINE.items():
+        for order in filter(None, [orders.get(count)]):
+            steps = np.argsort(order) * 180.0 * strokes / count
+            for sense in (-1, 1):
+                off = (sense * steps - cranks_deg + 180.0) % 360.0 - 180.0
+                if np.abs(off).max() < ALIKE:
+                    return strokes, order, sense, f"usual for {count} in line with these cranks"
+    tops = _tops(cranks_deg, -1)
+    for strokes in IN_LINE:
+        if even := even_firing_order(tops, strokes):
+            return strokes, even, -1, "even with these cranks"
+    least = least_uneven_order(tops, 4)
+    order = tuple(map(int, 1 + np.argsort(tops, kind="stable"))) if least is None else least[0]
+    return 4, order, -1, "least uneven with these cranks"
+
+
+def _tops(cranks_deg: Sequence[float], sense: int) -> list[float]:
+    """Shaft angle at which each crank is at the top [rad]."""
+    return [math.radians(sense * angle % 360.0) for angle in cranks_deg]
+
+
+def _shaft(
+    run: CadRun, path: Path, source: str, dimensions: Sequence[str], several_pins: bool
+) -> str:
+    """Write the throws, how they follow each other, the ends and the material."""
+    kinds = list(dict.fromkeys(throw.file for throw in run.throws))
+    names = [chr(ord("a") + number) for number in range(len(kinds))]
+    lines = ["# ---- The crankshaft ".ljust(110, "-"), ""]
+    for number, (file, name) in enumerate(zip(kinds, names, strict=True)):
+        throw = next(each for each in run.throws if each.file == file)
+        assert file is not None
+        lines += [
+            f"# {throw.mass:.5g} kg, {throw.inertia_about_shaft:.5g} kg m^2 about the shaft.",
+            "[throw]" if len(kinds) == 1 else f"[throws.{name}]",
+            f'file = "{Path(os.path.relpath(file, path.parent.resolve())).as_posix()}"',
+            *(
+                f"#: {line}"
+                for line in filter(None, "".join(dimensions[number : number + 1]).split("\n"))
+            ),
+            "",
+        ]
+    layout = []
+    if len(kinds) > 1:
+        of_each = ", ".join(f'"{names[kinds.index(throw.file)]}"' for throw in run.throws)
+        layout.append(f"throws = [{of_each}]")
+    if several_pins:
+        angles = np.array([throw.angle_deg for throw in run.throws])
+        layout.append(f"throw_angles = {{ value = [{angles_text(angles)}], {source} }}")
+    lines += ["[shaft]", *layout, ""] if layout else []
+    ends = []
+    for end in run.ends:
+        names_of = ("free_end_diameter", "free_end_length")
+        if end.name == FLANGE:
+            names_of = ("flange_diameter", "flange_thickness")
+        diameter = math.sqrt(8.0 * end.inertia_about_shaft / end.mass)
+        length = end.mass / run.material.density / (0.25 * math.pi * diameter**2)
+        if length < 0.0005:
+            continue
+        ends += [
+            f'{name} = {{ value = "{_millimeters(size)}", {source} }}'
+            for name, size in zip(names_of, (diameter, length), strict=True)
+        ]
+    if ends:
+        lines += ["# As cylinders of the same mass and inertia.", "[shaft_ends]", *ends, ""]
+    lines += ["[material]"]
+    lines += [f'{name} = {{ value = {value}, assumed = "steel" }}' for name, value in STEEL_TEXT]
+    return "\n".join([*lines, "", ""])
+
+
+def _weight(end: EndOfShaft) -> str:
+    return f"{end.mass:.4g} kg and {end.inertia_about_shaft:.4g} kg m^2"
+
+
+def _millimeters(length: float) -> str:
+    return f"{1e3 * length:.9g} mm"
