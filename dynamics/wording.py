@@ -442,9 +442,43 @@ WITHOUT_PLANT = (
 
 
 LINE_WITHOUT_BENDING = (
-    "the shaft line is one without bending: how it holds a flywheel flanged to it against tilting is left "
-    "out"
+    "the shaft line begins with a spring, not a piece of shaft, and is one without bending: it does not hold "
+    "the flywheel against tilting"
 )
+
+
+def line_bends(
+    length: float,
+    bearings: Sequence[tuple[float, float]],
+    given_places: bool,
+    given_stiffness: bool,
+    without: Sequence[str],
+) -> tuple[str, ...]:
+    """State how a shaft line bends, what of its bearings is assumed, and what its bodies are without."""
+    places = joined(" and ", [amount(place, "m") for place, _ in bearings])
+    stiffness = amount(max((stiffness for _, stiffness in bearings), default=0.0), "N/m", 3)
+    beside = "" if given_places else "assumed to be "
+    held = (
+        f"on bearings {beside}{places} from there, of {stiffness} each"
+        if bearings
+        else "without bearings"
+    )
+    said = [f"the shaft line bends over {amount(length, 'm')} from the flywheel on, {held}"]
+    if not given_places:
+        said.append(
+            "its spans are assumed as equal, and as long as classification societies allow; give "
+            "shaft_line.bearings"
+        )
+    if bearings and not given_stiffness:
+        said.append(
+            f"its bearings are assumed to have {amount(1e10, 'N/m')} per m of its least diameter; give "
+            "shaft_line.bearing_stiffness"
+        )
+    if without:
+        said.append(
+            f"bodies on it have no {' and no '.join(without)}, as no chain of that kind is given"
+        )
+    return tuple(said)
 
 
 def without_propeller(node: str) -> str:

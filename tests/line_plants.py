@@ -55,6 +55,8 @@ main_bearing = {last}
 [shaft_line]
 torsional = "torsional.toml"
 axial = "axial.toml"
+bearings = {places}
+bearing_stiffness = "{bearing} N/m"
 
 [propeller_forces]
 blades = 4
@@ -125,6 +127,7 @@ class Plant:
             "order": list(self.order),
             "throw": "\n".join(f'{name} = "{value} m"' for name, value in dimensions.items()),
             "last": len(self.angles) + 1,
+            "places": [f"{share * self.joints[-1]} m" for share in self.supports],
         }
         (folder / "engine.toml").write_text(ENGINE.format(**values), encoding="utf-8")
         inertia, mass = self.propeller

@@ -337,6 +337,18 @@ class ShaftCone:
             for left, right in zip(diameters, [*diameters[1:], self.right_diameter], strict=True)
         )
 
+    def between(self, start: float, end: float) -> "ShaftCone":
+        """Return the part between two distances from the left end [m]."""
+        widening = (self.right_diameter - self.left_diameter) / self.length
+        left, right = (self.left_diameter + widening * place for place in (start, end))
+        return replace(
+            self,
+            length=end - start,
+            left_diameter=left,
+            right_diameter=right,
+            bore=self._bore_at(left),
+        )
+
     def _bore_at(self, diameter: float) -> float:
         if self.bore_shape == "cylindrical":
             return self.bore

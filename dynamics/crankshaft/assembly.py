@@ -18,6 +18,7 @@ from crankbase.results import result
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import Kind
 from dynamics.chains.varying import Variation, VaryingSpring, varied
+from dynamics.crankshaft.line_beam import PlaneBending
 from dynamics.crankshaft.surroundings import RX, RY, RZ, UX, UY, UZ, ShaftSurroundings, ShaftThrow
 
 # Of a node's motion about or along the shaft, behind its name, as those of the sections.
@@ -97,7 +98,63 @@ def join_lines(
     return tuple(joined)
 
 
+@dataclass(frozen=True, eq=False)
+class JoinedBeam:
+    """A line that bends, in the unknowns of the whole shaft.
+
+    Attributes
+    ----------
+    bending : PlaneBending
+    motions : (2, 2 n, u) array
+        Its motions in the planes of x and of y per unknown; of its own ones each node behind the first
+        has deflection and slope along x, then along y.
+    places : (n,) array
+        Of its nodes, from main bearing 1 [m].
+    bearings : (b,) array
+        Places of its bearings [m].
+    """
+
+    bending: PlaneBending
+    motions: Array
+    places: Array
+    bearings: Array
+
+    def rigid(self, across: float, tilt: float, pivot: float) -> Array:
+        """Deflections and slopes (2 n,) of a rigid motion in a plane, which leaves the pivot [m] in place."""
+        return np.column_stack(
+            (across + tilt * (self.places - pivot), np.full(self.places.size, tilt))
+        ).ravel()
+
+
+def join_beam(
+    around: ShaftSurroundings, starts: Array, first: int, size: int
+) -> tuple[JoinedBeam, ...]:
+    """Give a line that bends, if there is one, its motions: the only one, or none.
+
+    Parameters
+    ----------
+    starts : ndarray of shape (n + 1,)
+        Places of the sections [m].
+    first, size : int
+        First of the unknowns left for it, and the number of all.
+    """
+    if around.line_beam is None:
+        return ()
+    bending, last = around.line_beam.bending, 6 * (len(starts) - 1)
+    arm = 0.0 if around.flywheel is None else around.flywheel.overhang
+    moved = np.zeros((2, 2 * len(bending.places), size))
+    own = np.arange(2, 2 * len(bending.places))
+    for plane, (across, tilt, sign) in enumerate(((UX, RY, 1.0), (UY, RX, -1.0))):
+        moved[plane, 0, [last + across, last + tilt]] = 1.0, sign * arm
+        moved[plane, 1, last + tilt] = sign
+        moved[plane, own, first + 2 * (own - 2 - own % 2) + 2 * plane + own % 2] = 1.0
+    held = [place for place, stiffness in around.line_beam.bearings if stiffness > 0.0]
+    start = starts[-1] + arm
+    return (JoinedBeam(bending, moved, start + bending.places, start + np.array(held)),)
+
+
 CLASSES = ("axial", "torsional", "bending")
+BENDING = CLASSES.index("bending")
 # Of a throw's mass and inertia, the share of either end section; the pins have the rest. By Simpson's
 # rule, which integrates the square of a motion that grows linearly from end to end exactly.
 END_SHARE = 1.0 / 6.0
@@ -134,7 +191,8 @@ class Stations:
     def energy_shares(self, shapes: Array, added_mass: Array) -> Array:
         """Split the energy of motions (u, k) into axial, torsional and bending shares (3, k), with the sum 1.
 
-        `added_mass` (2, u, u) is that of bodies that only move along the shaft, and that only turn about it.
+        `added_mass` (3, u, u) is that of bodies that only move along the shaft, that only turn about it, and
+        that only bend.
 
         Notes
         -----
@@ -154,11 +212,11 @@ class Stations:
         they are the shares of the kinetic energy itself.
         """
         moved = np.einsum("siu,uk->sik", self.motions, shapes) ** 2
-        along, about = np.sum(shapes * (added_mass @ shapes), axis=1)
+        along, about, across = np.sum(shapes * (added_mass @ shapes), axis=1)
         axial = self.axial_mass @ moved[:, UZ] + along
         torsional = self.polar @ moved[:, RZ] + about
         bending = self.lateral_mass @ (moved[:, UX] + moved[:, UY])
-        bending = bending + self.diametral @ (moved[:, RX] + moved[:, RY])
+        bending = bending + self.diametral @ (moved[:, RX] + moved[:, RY]) + across
         energies = np.vstack((axial, torsional, bending))
         return np.asarray(energies / energies.sum(axis=0))
 
@@ -232,7 +290,7 @@ class AssembledShaft:
 
     The u unknowns are the motions of the n + 1 sections in the shaft's frame, six each, the amplitudes
     of the sections' bending, those of the throws' shapes, the rotations of damper ring and driven
-    machine, and the motions of shaft lines; those held by supports are left out.
+    machine, the motions of shaft lines, and how they bend; those held by supports are left out.
 
     Attributes
     ----------
@@ -249,12 +307,13 @@ class AssembledShaft:
         Slices of the shaft for the classification of its energy of motion.
     added : (a, u) array
         Rotation of damper ring and driven machine, and motion of the nodes of shaft lines, if present.
-    added_mass : (2, u, u) array
-        Mass matrices of these, along the shaft and about it.
+    added_mass : (3, u, u) array
+        Mass matrices of these, along the shaft and about it, and of a line that bends.
     added_springs : (b, u) array
-        Rows whose squares are twice the strain energy of damper spring, coupling, and springs of lines.
+        Rows whose squares are twice the strain energy of damper spring, coupling, and springs and bending of
+        lines.
     spring_kinds : (b,) array of int
-        0 for those along the shaft, 1 for those about it.
+        0 for those along the shaft, 1 for those about it, 2 for those across it.
     damped_springs : (b,) array of bool
         Which of these have damping of their own.
     dashpots : (d, u) array
@@ -352,8 +411,12 @@ def assemble_crankshaft(
     first_shape = (6 + bending) * count
     first_ring = first_shape + sum(throw.shapes for throw in throws)
     attached, first_line = around.lines(count), first_ring + len(rings)
-    size = first_line + sum(chain.expansion().shape[1] - 1 for _, chain, _ in attached)
+    first_bent = first_line + sum(chain.expansion().shape[1] - 1 for _, chain, _ in attached)
+    bent = 0 if around.line_beam is None else 4 * (len(around.line_beam.bending.places) - 1)
+    size = first_bent + bent
     lines = join_lines(attached, first_line, size)
+    starts = np.concatenate(([0.0], np.cumsum([throw.length for throw in throws])))
+    beams = join_beam(around, starts, first_bent, size)
     mass, stiffness, damping, loss = np.zeros((4, size, size))
     pin_rows, pin_slices, pin_frames = [], [], []
     # Each throw turned by itself about the shaft axis, and what that moves.
@@ -422,7 +485,7 @@ def assemble_crankshaft(
             held.append(place)
         else:
             join(unit[place], spring, dashpot, variation=variation)
-    added_mass = np.zeros((2, size, size))
+    added_mass = np.zeros((3, size, size))
     added_springs = [np.zeros((0, size))]
     spring_kinds, damped_springs = [1] * len(rings), []
     for row, (_, ring, section) in enumerate(rings, start=first_ring):
@@ -445,12 +508,18 @@ def assemble_crankshaft(
         varying += more
         dashpots += [spring.row for spring in more]
         spring_kinds += [int(line.kind == "torsional")] * len(added_springs[-1])
+    for beam in beams:
+        for moved in beam.motions:
+            added_mass[BENDING] += moved.T @ beam.bending.mass @ moved
+            added_springs.append(beam.bending.springs @ moved)
+            stiffness += added_springs[-1].T @ added_springs[-1]
+            spring_kinds += [BENDING] * len(added_springs[-1])
+            damped_springs += [False] * len(added_springs[-1])
     mass += added_mass.sum(axis=0)
     added = np.vstack((unit[first_ring:first_line], *(line.motions[1:] for line in lines)))
 
     kept = np.setdiff1d(np.arange(size), held)
     free = np.ix_(kept, kept)
-    starts = np.concatenate(([0.0], np.cumsum([throw.length for throw in throws])))
     stations = shaft_stations(throws, around, masses, starts, unit[: 6 * count], pin_slices)
     section_names = [
         f"main bearing {number} {way}" for number in range(1, count + 1) for way in SECTION_MOTIONS
@@ -458,7 +527,7 @@ def assemble_crankshaft(
     pin_names = [
         f"pin {number} {way}" for number in range(1, masses.size + 1) for way in PIN_MOTIONS
     ]
-    rigid, rigid_names = _rigid_motions(around, starts, first_ring, lines, size)
+    rigid, rigid_names = _rigid_motions(around, starts, first_ring, lines, beams, size)
     # Moments about the shaft axis of unit forces on the pins before each section.
     pins = np.vstack(pin_rows)
     levers = np.einsum("pku,pu->pk", pins.reshape(len(pin_throws), 3, -1), about[pin_throws])
@@ -522,6 +591,7 @@ def _rigid_motions(
     places: Array,
     first_ring: int,
     lines: Sequence[JoinedLine],
+    beams: Sequence[JoinedBeam],
     size: int,
 ) -> tuple[Array, tuple[str, ...]]:
     """Return the unit motions (size, r) that no stiffness resists, as columns, and their names."""
@@ -554,11 +624,21 @@ def _rigid_motions(
     bearings = np.array([])
     if around.bearings is not None:
         bearings = places[around.bearings.at(count)[0] > 0.0]
+    bearings = np.unique(np.concatenate((bearings, *(beam.bearings for beam in beams))))
+    pivot = float(bearings[0]) if bearings.size else float(places.mean())
+    arms = places - pivot
+
+    def lateral(plane: int, values: dict[int, Array | float], across: float, tilt: float) -> Array:
+        column = motion(values)
+        for beam in beams:
+            own = beam.motions[plane, 2:]
+            column += own.T @ beam.rigid(across, tilt, pivot)[2:]
+        return column
+
     if bearings.size == 0:
-        motions["translation along x"] = motion({UX: 1.0})
-        motions["translation along y"] = motion({UY: 1.0})
+        motions["translation along x"] = lateral(0, {UX: 1.0}, 1.0, 0.0)
+        motions["translation along y"] = lateral(1, {UY: 1.0}, 1.0, 0.0)
     if bearings.size <= 1:
-        arms = places - (bearings[0] if bearings.size else places.mean())
-        motions["tilt about x"] = motion({RX: 1.0, UY: -arms})
-        motions["tilt about y"] = motion({RY: 1.0, UX: arms})
+        motions["tilt about x"] = lateral(1, {RX: 1.0, UY: -arms}, 0.0, -1.0)
+        motions["tilt about y"] = lateral(0, {RY: 1.0, UX: arms}, 0.0, 1.0)
     return np.column_stack([np.zeros((size, 0)), *motions.values()]), tuple(motions)

@@ -15,7 +15,7 @@ from crankbase.frames import Axes, DataFrame, Row, table, table_of
 from crankbase.results import Hertz, Internal, Number, Part, Quantity, Result, result
 from dynamics import wording
 from dynamics.chains.engine_chains import CRANKSHAFT_MODE, FLYWHEEL, FREE_END, EngineChain, Kind
-from dynamics.crankshaft.assembly import CLASSES, MOTION_OF, AssembledShaft, Stations
+from dynamics.crankshaft.assembly import BENDING, CLASSES, MOTION_OF, AssembledShaft, Stations
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes, crankshaft_modes
 from dynamics.crankshaft.surroundings import RX, RY, RZ, UZ
@@ -252,6 +252,8 @@ RESIDUAL = 1e-6
 SHOWN = 0.05
 # In the order of the steps, each added to those before it; the last one is a body's of its own.
 CAUSES = ("bearings", "mass distribution", "lateral inertia", "eccentric masses", "flywheel tilt")
+# Behind the name of the step that a shaft line's bending stiffness comes in, too.
+LINE_TOO = " and bending of the line"
 
 
 @result("kind", "rigid_chain", "chain", "shaft", "causes", eq=True)
@@ -270,7 +272,8 @@ class FrequencyDifference(Result):
     causes : dict of str to float
         Contributions to the frequency [Hz]; their sum with `rigid_chain` is `shaft`. "bearings":
         lateral motion of the journals. "mass distribution": inertia along each throw in place of lumps, and
-        inertia loads within the shaft, which the journals' reactions carry from throw to throw.
+        inertia loads within the shaft, which the journals' reactions carry from throw to throw; with a shaft
+        line that bends, how it holds the flywheel, too.
         "lateral inertia": that of the throws as if centered on the axis, and of the end bodies without the
         flywheel's diametral inertia. "eccentric masses": the throws' centers of mass off the axis.
         "flywheel tilt": the flywheel's diametral inertia resists the tilting of its section.
@@ -343,12 +346,16 @@ def frequency_difference(
             (across, across, stations.axial_mass, tilting, tilting, stations.polar)
         )
         centered = np.einsum("siu,si,siv->uv", stations.motions, diagonal, stations.motions)
-        on_axis = (1.0 - RESIDUAL) * (centered + shaft.added_mass.sum(axis=0))
+        added = shaft.added_mass[: len(CLASSES) - 1 + lateral].sum(axis=0)
+        on_axis = (1.0 - RESIDUAL) * (centered + added)
         changed = replace(shaft, mass=on_axis + RESIDUAL * shaft.mass)
         frequencies.append(_found(_match(changed, chain, mode)))
     tilts = stations.motions[-1, [RX, RY]]
     light = replace(shaft, mass=shaft.mass - stations.diametral[-1] * tilts.T @ tilts)
     last = _match(shaft, chain, mode)
+    causes = list(CAUSES)
+    if np.any(shaft.spring_kinds == BENDING):
+        causes[1] += LINE_TOO
     frequencies += [_found(_match(light, chain, mode)), _found(last)]
     return FrequencyDifference(
         kind=chain.kind,
@@ -356,7 +363,7 @@ def frequency_difference(
         rigid_chain=frequencies[0],
         chain=frequencies[1],
         shaft=frequencies[-1],
-        causes=dict(zip(CAUSES, np.diff(frequencies).tolist(), strict=True)),
+        causes=dict(zip(causes, np.diff(frequencies).tolist(), strict=True)),
         further=last.further_frequency,
     )
 

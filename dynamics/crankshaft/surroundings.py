@@ -23,6 +23,7 @@ from dynamics.chains.dampers import TorsionalRing
 from dynamics.chains.engine_chains import Kind
 from dynamics.chains.shaft_line import DRIVEN
 from dynamics.chains.varying import Variation
+from dynamics.crankshaft.line_beam import LineBeam
 
 # Motions of a section: displacements, then rotations.
 UX, UY, UZ, RX, RY, RZ = range(6)
@@ -277,6 +278,8 @@ class ShaftSurroundings:
     torsional_line, axial_line : Chain, optional
         Shaft line at the last section: the first node of either chain turns, or moves along the shaft,
         with it, and its inertia adds to that of the flywheel.
+    line_beam : LineBeam, optional
+        How that line bends, from the flywheel's center of mass on.
     machine_name : str, optional
         What the rotation of `machine` is called.
 
@@ -298,6 +301,7 @@ class ShaftSurroundings:
     torsional_line: Chain | None = None
     axial_line: Chain | None = None
     machine_name: str = DRIVEN
+    line_beam: LineBeam | None = None
 
     def __post_init__(self) -> None:
         nonnegative_number("loss_factor", self.loss_factor, "", "it is that of a passive element")

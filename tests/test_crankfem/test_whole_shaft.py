@@ -537,6 +537,97 @@ def test_a_line_that_does_not_bend_is_told(tmp_path):
     assert "without bending" in told
 
 
+LINE = """
+[chain]
+name = "line"
+kind = "torsional"
+[[chain.nodes]]
+name = "flange"
+inertia = "1 kg m^2"
+[[chain.nodes]]
+name = "joint"
+inertia = "12 kg m^2"
+[[chain.nodes]]
+name = "propeller"
+inertia = "100 kg m^2"
+[[chain.elements]]
+nodes = ["flange", "joint"]
+shape = "cylinder"
+diameter = "0.2 m"
+length = "3 m"
+[[chain.elements]]
+nodes = ["joint", "propeller"]
+shape = "cylinder"
+diameter = "0.25 m"
+length = "5 m"
+"""
+
+
+def lined(tmp_path, text=LINE, section="", axial=None):
+    (tmp_path / "line.toml").write_text(text, encoding="utf-8")
+    if axial is not None:
+        (tmp_path / "along.toml").write_text(axial, encoding="utf-8")
+        section += '\naxial = "along.toml"'
+    return around(f'[shaft_line]\ntorsional = "line.toml"\n{section}\n[gas]\n', tmp_path=tmp_path)
+
+
+def test_a_line_of_shafts_bends_on_bearings_that_are_assumed(tmp_path):
+    *_, without = around(tmp_path=tmp_path)
+    _, found, remarks = lined(tmp_path)
+    beam = found.line_beam
+    assert [piece.length for piece in beam.pieces] == [3.0, 5.0]
+    assert (beam.masses, beam.inertias) == ((0.0,) * 3, (1.0, 12.0, 100.0))
+    # 450 times the root of 200 mm is 6.36 m: two spans of 4 m.
+    assert beam.bearings == ((4.0, 2e9), (8.0, 2e9))
+    told = " ".join(remark for remark in remarks if remark not in without)
+    assert (
+        "bends over 8000 mm from the flywheel on, on bearings assumed to be 4000 mm and 8000 mm"
+        in told
+    )
+    assert "give shaft_line.bearings" in told
+    assert "give shaft_line.bearing_stiffness" in told
+    assert "no mass across it" in told
+
+
+def test_a_line_of_shafts_bends_on_the_bearings_of_the_file(tmp_path):
+    *_, without = around(tmp_path=tmp_path)
+    axial = LINE.replace("torsional", "axial").replace("inertia", "mass").replace(" m^2", "")
+    section = 'bearings = ["1 m", "7 m"]\nbearing_stiffness = "3e8 N/m"'
+    _, found, remarks = lined(tmp_path, section=section, axial=axial)
+    assert found.line_beam.bearings == ((1.0, 3e8), (7.0, 3e8))
+    assert found.line_beam.masses == (1.0, 12.0, 100.0)
+    (told,) = set(remarks) - set(without)
+    assert "on bearings 1000 mm and 7000 mm from there, of 3e8 N/m each" in told
+
+
+def test_a_line_bends_up_to_what_is_no_piece_of_shaft(tmp_path):
+    second = LINE[LINE.index('[[chain.elements]]\nnodes = ["joint') :]
+    sizes = 'shape = "cylinder"\ndiameter = "0.25 m"\nlength = "5 m"'
+    spring = second.replace(sizes, 'stiffness = "1e6 N m/rad"')
+    _, found, _ = lined(tmp_path, LINE.replace(second, spring))
+    assert found.line_beam.length == 3.0
+    reversed_nodes = LINE.replace('["joint", "propeller"]', '["propeller", "joint"]')
+    _, found, _ = lined(tmp_path, reversed_nodes)
+    assert found.line_beam.length == 3.0
+
+
+@pytest.mark.parametrize(
+    ("change", "section", "said"),
+    [
+        (("", ""), 'bearings = ["9 m"]', "given one at 9000 mm; allowed is 0 to 8000 mm"),
+        (("", ""), 'bearings = ["-1 m"]', "given one at -1000 mm"),
+        (
+            ('shape = "cylinder"\ndiameter = "0.2 m"\nlength = "3 m"', 'stiffness = "1e6 N m/rad"'),
+            'bearings = ["1 m"]',
+            "given for a line that begins with a spring",
+        ),
+    ],
+)
+def test_bearings_that_no_line_has_are_refused(tmp_path, change, section, said):
+    with pytest.raises(InputError, match=said):
+        lined(tmp_path, LINE.replace(*change), section)
+
+
 def test_overhangs_of_a_shaft_with_both_ends():
     engine, found, remarks = around(name="8chn13-14")
     assert found.flywheel.overhang == close(0.022)

@@ -301,9 +301,23 @@ def shaft_surroundings(
         pin_masses=tuple(at_each.tolist()),
         torsional_line=engine_file.shaft_lines.get("torsional"),
         axial_line=engine_file.shaft_lines.get("axial"),
+        line_beam=engine_file.line_beam,
     )
-    fourth = (wording.LINE_WITHOUT_BENDING,) if around.torsional_line or around.axial_line else ()
+    fourth = _line(engine_file) if around.torsional_line or around.axial_line else ()
     return around, tuple(map(finished, (*first, *second, *third, *fourth)))
+
+
+def _line(engine_file: EngineFile) -> Remarks:
+    beam, known = engine_file.line_beam, {record.field for record in engine_file.records}
+    if beam is None:
+        return (wording.LINE_WITHOUT_BENDING,)
+    given_places, given_stiffness = (
+        any(field.startswith(f"shaft_line.{name}") for field in known)
+        for name in ("bearings", "bearing_stiffness")
+    )
+    missing = {"axial": "mass across it", "torsional": "inertia about a diameter"}
+    without = [what for kind, what in missing.items() if kind not in engine_file.shaft_lines]
+    return wording.line_bends(beam.length, beam.bearings, given_places, given_stiffness, without)
 
 
 def _bearings(engine_file: EngineFile) -> tuple[MainBearings, Remarks]:

@@ -284,6 +284,24 @@ SHAPES = {
 SHAPE_FIELDS = ("length", "diameter", "left_diameter", "right_diameter", "bore", "bore_shape")
 
 
+def shaft_row(
+    section: ChainSection, material: Material
+) -> tuple[tuple[str, ...], tuple[ShaftCone, ...]]:
+    """Return the pieces of shaft that follow each other from the first node, and the names of their ends."""
+    names = tuple(node.name for node in section.nodes)
+    ends = [
+        (element, *_ends(element, number, names)) for number, element in enumerate(section.elements)
+    ]
+    joints, pieces = list(names[:1]), list[ShaftCone]()
+    while True:
+        onward = [each for each in ends if joints[-1] == each[1]]
+        if len(onward) != 1 or onward[0][0].shape is None or onward[0][2] in joints:
+            return tuple(joints), tuple(pieces)
+        ((element, _, joint),) = onward
+        joints.append(joint)
+        pieces.append(_piece(section, element, str(element.shape), material))
+
+
 @dataclass(frozen=True)
 class _Row:
     """One element of the chain, its nodes by name."""
@@ -572,7 +590,9 @@ def _link_error(number: int, element: Element, name: str, beside: str) -> None:
 def _piece(section: ChainSection, element: Element, shape: str, steel: Material) -> ShaftCone:
     key = KINDS[section.kind].modulus
     modulus = getattr(element, key) or getattr(section, key) or getattr(steel, key)
-    material = ShaftMaterial(**{key: modulus}, density=steel.density)
+    other = "youngs_modulus" if key == "shear_modulus" else "shear_modulus"
+    both = {key: modulus, other: getattr(steel, other) * modulus / getattr(steel, key)}
+    material = ShaftMaterial(**both, density=steel.density)
     sizes = {name: getattr(element, name) for name in SHAPES[shape]}
     if shape == "cone":
         return ShaftCone(**sizes, material=material)

@@ -1,5 +1,6 @@
 """Read chain files: nodes, elements, gears and dampers in TOML, or plain text; shaft lines of engines."""
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,14 +18,16 @@ from crankfem.files.chain.chain_build import (
     KINDS,
     UNITS,
     chain_of,
+    shaft_row,
 )
 from crankfem.files.chain.maker_values import as_printed
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
-from crankfem.files.sections.vibration_sections import ShaftLineFiles
+from crankfem.files.sections.vibration_sections import ASSUMED_PER_DIAMETER, ShaftLineFiles
 from dynamics.chains.chain import Chain, Dashpot, Gear
 from dynamics.chains.engine_chains import EngineChain, throw_names
-from dynamics.chains.shaft_line import Motion
+from dynamics.chains.shaft_line import Motion, ShaftCone
+from dynamics.crankshaft.line_beam import LineBeam
 from fem.material import STEEL, Material
 
 COLUMNS = re.compile(r"\s{2,}|\t+")
@@ -327,6 +330,10 @@ class ChainFile:
         Short name to full citation.
     printed : tuple of str
         The values as a maker prints them, where they are given so, and in SI.
+    joints : tuple of str
+        Nodes that pieces of shaft join in a row from the first one, and that one.
+    shafts : tuple of ShaftCone
+        These pieces.
     """
 
     path: Path
@@ -336,6 +343,8 @@ class ChainFile:
     records: tuple[InputRecord, ...]
     sources: dict[str, str]
     printed: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    shafts: tuple[ShaftCone, ...] = ()
 
 
 def load_chain(path: str | Path | InputFile | TomlFile) -> ChainFile:
@@ -397,6 +406,7 @@ def _read_chain(content: TomlFile) -> ChainFile:
         tuple(content.records),
         content.sources,
         as_printed(chain, content.sections["chain"], UNITS[section.kind]),
+        *shaft_row(section, material),
     )
 
 
@@ -414,17 +424,21 @@ def _check_sizes(file: str, chain: Chain) -> None:
             )
 
 
+# Longest span between bearings of a shaft line per root of its diameter [m^0.5]: 450 times the root of the
+# diameter in mm, as classification societies allow with white metal and oil.
+LONGEST_SPAN = 0.45 * math.sqrt(1000.0)
 # The key of a whole plant's chain, as its maker gives it.
 PLANT = "plant"
 
 
-def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
-    """Read the chains that the section [shaft_line] of an engine file names, by their kind.
+def read_shaft_lines(content: TomlFile) -> tuple[dict[str, Chain], LineBeam | None]:
+    """Read the chains that the section [shaft_line] of an engine file names, by their kind, and how it bends.
 
     Their values are listed with those of the engine file.
     """
     lines = content.model("shaft_line", ShaftLineFiles)
     chains: dict[str, Chain] = {}
+    rows: list[ChainFile] = []
     for key, kind in (("torsional", "torsional"), ("axial", "axial"), (PLANT, "torsional")):
         name = None if lines is None else getattr(lines, key)
         if name is None:
@@ -437,10 +451,43 @@ def read_shaft_lines(content: TomlFile) -> dict[str, Chain]:
                 f"{kind}, because it {why} that chain of the engine."
             )
         chains[key] = read.chain
+        rows += [read] if read.shafts and key != PLANT else []
         content.records.extend(
             replace(record, field=f"shaft_line.{key}: {record.field}") for record in read.records
         )
-    return chains
+    if lines is None or not (rows or lines.bearings):
+        return chains, None
+    if not rows:
+        raise InputError(
+            "shaft_line.bearings: given for a line that begins with a spring; allowed are they where a piece "
+            "of shaft (one with a shape) follows the first node, because only pieces of shaft bend."
+        )
+    return chains, _line_beam(rows[0], chains, lines)
+
+
+def _line_beam(row: ChainFile, chains: dict[str, Chain], lines: ShaftLineFiles) -> LineBeam:
+    """Return the pieces of a line with the bodies that either chain has at their ends, on its bearings."""
+
+    def bodies(kind: str) -> tuple[float, ...]:
+        chain = chains.get(kind)
+        known = {} if chain is None else dict(zip(chain.names, chain.inertia.tolist(), strict=True))
+        return tuple(known.get(joint, 0.0) for joint in row.joints)
+
+    thinnest = min(min(each.left_diameter, each.right_diameter) for each in row.shafts)
+    length = math.fsum(each.length for each in row.shafts)
+    places = lines.bearings
+    if places is None:
+        spans = math.ceil(length / (LONGEST_SPAN * math.sqrt(thinnest)))
+        places = tuple(length * number / spans for number in range(1, spans + 1))
+    for place in places:
+        if not 0.0 <= place <= length:
+            raise InputError(
+                f"shaft_line.bearings: given one at {1e3 * place:g} mm; allowed is 0 to {1e3 * length:g} mm, "
+                "because the pieces of shaft in a row behind the first node are so long."
+            )
+    stiffness = lines.bearing_stiffness or ASSUMED_PER_DIAMETER * thinnest
+    bearings = tuple((place, stiffness) for place in places)
+    return LineBeam(row.shafts, bodies("axial"), bodies("torsional"), bearings)
 
 
 def plant_chain(plant: Chain, cylinders: Sequence[int]) -> EngineChain:

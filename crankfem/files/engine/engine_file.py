@@ -88,6 +88,7 @@ from crankfem.files.sections.vibration_sections import (
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_line import Driven, Driver
 from dynamics.chains.varying import over_amplitude
+from dynamics.crankshaft.line_beam import LineBeam
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import EnginePower, indicated_power
 from dynamics.gas.pressure import GasPressure
@@ -220,6 +221,8 @@ class EngineFile:
         Sections that every whole engine has; without a thrust bearing it is a mechanism alone.
     shaft_lines : dict
         Kind, "torsional" or "axial", to the chain of the shaft line behind the flywheel, if given.
+    line_beam : LineBeam or None
+        How that line bends, if it begins with pieces of shaft.
     shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, driver, bearings, \
 gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
@@ -265,6 +268,7 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
     driver: Driver | None
     bearings: Bearings | None
     shaft_lines: dict[str, Chain]
+    line_beam: LineBeam | None
     propeller_forces: PropellerForcesSection | None
     limits: LimitsInput | None
     ranges: RangesInput | None
@@ -677,14 +681,14 @@ def _read_engine(content: TomlFile, parts: Sequence[str]) -> EngineFile:
     throws: dict[str, Throw] = {}
     kinds = section_kinds(EngineFile)
     sections: dict[str, Any] = {name: DEFAULTS.get(name) for name in kinds}
-    sections |= {"torque_table": None, "shaft_lines": {}}
+    sections |= {"torque_table": None, "shaft_lines": {}, "line_beam": None}
     for name in parts:
         if name == "throw":
             throws = read_throws(content)
         elif name == "torque_table":
             sections[name] = torque_table_file(content)
         elif name == "shaft_lines":
-            sections[name] = read_shaft_lines(content)
+            sections[name], sections["line_beam"] = read_shaft_lines(content)
         elif name in kinds:
             model, _ = kinds[name]
             sections[name] = content.model(model.section, model) or DEFAULTS.get(name)

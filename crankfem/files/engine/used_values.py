@@ -54,6 +54,8 @@ WHOLE = (
     "free_end.diametral_inertia",
     "bearings.damping",
     "bearings.variation",
+    "shaft_line.bearings",
+    "shaft_line.bearing_stiffness",
 )
 # Through so many points a cubic spline is a straight line.
 STRAIGHT = 2

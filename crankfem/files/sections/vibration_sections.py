@@ -131,6 +131,14 @@ class ShaftLineFiles(InputModel):
     axial: str | None = Field(
         None, description="chain file of kind axial, in the folder of the engine file, or shipped"
     )
+    bearings: tuple[float, ...] | None = quantity_field(
+        "distances of the bearings of its pieces of shaft from the flywheel",
+        "m",
+        default=None,
+    )
+    bearing_stiffness: float | None = quantity_field(
+        "lateral stiffness of each of these bearings", "N/m", 1e5, 1e13, default=None
+    )
     plant: str | None = Field(
         None,
         description="torsional chain file of the whole plant as its maker gives it, from the free end, in "
