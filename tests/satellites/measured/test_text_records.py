@@ -200,9 +200,10 @@ def test_a_large_text_is_read_in_pieces(tmp_path, monkeypatch, mark):
     monkeypatch.setattr(builder, "MOST_IN_MEMORY", 1000)
     monkeypatch.setattr(text, "HEAD", 4096)
     monkeypatch.setattr(text, "TAIL", 1024)
+    monkeypatch.setattr(text, "LINES", 500)
     assert len(read_record(path).channel("wheel")) == 5000
     pieces = [*iter_pieces(path, "wheel", samples=777)]
-    assert max(values.size for _, values in pieces) == 777
+    assert [values.size for _, values in pieces] == [*6 * [777], 338]
     assert np.concatenate([values for _, values in pieces]).tolist() == whole.values.tolist()
     places = np.concatenate([places for places, _ in pieces])
     assert np.array_equal(places, whole.abscissa())

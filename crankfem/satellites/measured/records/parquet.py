@@ -56,10 +56,10 @@ def _column(path: Path, name: str, count: int, part: float | None) -> Column:
     """Return a column, of time stamps that count a part of a second those after the first [s]."""
     from pyarrow import int64, parquet
 
-    def pieces(samples: int) -> Iterator[Array]:
+    def blocks() -> Iterator[Array]:
         first = None
         with parquet.ParquetFile(path) as file:
-            for batch in file.iter_batches(batch_size=samples, columns=[name]):
+            for batch in file.iter_batches(columns=[name]):
                 column = batch.column(0)
                 if part is None:
                     yield np.asarray(column.to_numpy(zero_copy_only=False), dtype=np.float64)
@@ -68,4 +68,4 @@ def _column(path: Path, name: str, count: int, part: float | None) -> Column:
                 first = counted[0] if first is None and len(counted) else first
                 yield np.asarray((counted - first) * part, dtype=np.float64)
 
-    return Column(count, pieces)
+    return Column.of_blocks(count, blocks)

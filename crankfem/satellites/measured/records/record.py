@@ -5,7 +5,7 @@ none of another one.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -37,7 +37,7 @@ class Column:
     count : int
         How many.
     read : callable
-        Reads them in pieces of so many at most.
+        Reads them in pieces of so many, the last one of fewer.
     """
 
     count: int
@@ -53,6 +53,24 @@ class Column:
                 yield held[first : first + samples]
 
         return cls(held.size, pieces)
+
+    @classmethod
+    def of_blocks(cls, count: int, blocks: Callable[[], Iterable[Array]]) -> "Column":
+        """Return numbers that a file has in blocks of any size as such a column."""
+
+        def pieces(samples: int) -> Iterator[Array]:
+            held: list[Array] = []
+            held_size = 0
+            for block in blocks():
+                for part in np.split(block, range(samples - held_size, block.size, samples)):
+                    held, held_size = [*held, part], held_size + part.size
+                    if held_size >= samples:
+                        yield np.concatenate(held)
+                        held, held_size = [], 0
+            if held_size:
+                yield np.concatenate(held)
+
+        return cls(count, pieces)
 
     @cached_property
     def whole(self) -> Array:
@@ -147,7 +165,7 @@ class Channel:
         return self._even_places(0, len(self))
 
     def pieces(self, samples: int = SAMPLES) -> Iterator[tuple[Array, Array]]:
-        """Read the channel in pieces: places [s or rad] and samples in SI, of so many at most.
+        """Read the channel in pieces: places [s or rad] and samples in SI, of so many, the last of fewer.
 
         Raises
         ------

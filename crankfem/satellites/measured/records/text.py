@@ -122,14 +122,12 @@ def _columns(path: Path, table: ExportedTable, size: int) -> list[Column]:
     """Return the columns of a text: in memory, or for reading in pieces if it is large."""
     lines = _Lines(path, table, missing_allowed=size <= MOST_IN_MEMORY)
     if size <= MOST_IN_MEMORY:
-        rows = np.concatenate([*lines.blocks(LINES), np.empty((0, table.columns))])
+        rows = np.concatenate([*lines.blocks(), np.empty((0, table.columns))])
         return [Column.of(rows[:, place]) for place in range(table.columns)]
     count = lines.count()
 
     def column(place: int) -> Column:
-        return Column(
-            count, lambda samples: (block[:, place].copy() for block in lines.blocks(samples))
-        )
+        return Column.of_blocks(count, lambda: (block[:, place] for block in lines.blocks()))
 
     return [column(place) for place in range(table.columns)]
 
@@ -150,13 +148,13 @@ class _Lines:
                 ends, last = ends + piece.count(b"\n"), piece[-1:]
         return ends + (last != b"\n") - (self.table.lines[0] - 1)
 
-    def blocks(self, most: int) -> Iterator[Array]:
-        """Read the numbers, shape (lines, columns), of so many lines at a time."""
+    def blocks(self) -> Iterator[Array]:
+        """Read the numbers, shape (lines, columns), of some lines at a time."""
         first = self.table.lines[0]
         with self.path.open(encoding=self.encoding) as file:
             for _ in islice(file, first - 1):
                 pass
-            while lines := list(islice(file, min(most, LINES))):
+            while lines := list(islice(file, LINES)):
                 yield self._numbers(lines, first)
                 first += len(lines)
 
