@@ -169,3 +169,19 @@ def test_a_number_that_is_none_is_told_when_it_is_read(tmp_path):
     )
     with pytest.raises(InputError, match="wheel: sample 42 is no finite number"):
         record.channel("wheel").si()
+
+
+def test_a_scale_beside_the_numbers_is_told(tmp_path):
+    tree = {"M": (WHEEL, {"unit": "N m", "fs": RATE, "scale_factor": 2.0, "label": "Torque"})}
+    record = read_record(hdf5(tmp_path / "record.h5", tree))
+    assert record.notes == ("M: has a scale or offset, which is not applied.",)
+    assert record.channel("M").si_unit == "N m"
+
+
+def test_damage_that_is_found_on_the_way_is_told(tmp_path):
+    tree = {"wheel": (np.random.default_rng(1).normal(size=5000), {"unit": "V", "fs": RATE})}
+    path = hdf5(tmp_path / "record.h5", tree)
+    wheel = read_record(path).channel("wheel")
+    path.write_bytes(path.read_bytes()[:4000])
+    with pytest.raises(InputError, match="cannot be read"):
+        wheel.si()

@@ -232,3 +232,21 @@ def test_a_heading_that_is_repeated_is_numbered(tmp_path):
     record = read_record(written(tmp_path, table("t_s,p,p", WHEEL + 0.2, WHEEL, 2.0 * WHEEL)))
     assert [each.name for each in record.channels] == ["p", "p #2"]
     assert record.channel("p #2").values[0] == 2.0 * WHEEL[0]
+
+
+def test_columns_of_pulse_times_need_not_have_one_length(tmp_path):
+    record = read_record(
+        written(tmp_path, "pulse_time_a_s;pulse_time_b_s\n0.1001;0.2001\n0.3001;\n0.5001;\n")
+    )
+    assert [each.values.tolist() for each in record.channels] == [
+        [0.1001, 0.3001, 0.5001],
+        [0.2001],
+    ]
+
+
+def test_text_behind_the_beginning_may_be_in_another_encoding(tmp_path, monkeypatch):
+    monkeypatch.setattr(text, "HEAD", 64)
+    monkeypatch.setattr(text, "TAIL", 64)
+    content = table("t [s],a", WHEEL + 0.2, WHEEL) + "# Prüfstand\n"
+    (channel,) = read_record(written(tmp_path, content.encode("cp1252"))).channels
+    assert len(channel) == 40

@@ -74,7 +74,7 @@ def read_record(
             record = _read(_reader(file, name, package, function), file, name, reading)
             break
     else:
-        record = read_text(file, reading)
+        record = _read(read_text, file, "text", reading)
     if not record.channels:
         raise InputError(f"{path}: holds no channels of numbers; allowed is a record with some.")
     return record

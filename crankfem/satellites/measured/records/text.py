@@ -16,7 +16,6 @@ from crankbase.exported_table import (
     COMMENTS,
     PACKED,
     ExportedTable,
-    decoded,
     number,
     read_exported_table,
     split_line,
@@ -24,6 +23,7 @@ from crankbase.exported_table import (
 from crankbase.input_file import UTF_16, InputFile
 from crankfem.satellites.measured.records.builder import RecordBuilder, RecordReading, Series
 from crankfem.satellites.measured.records.record import Column, Record
+from crankfem.satellites.measured.records.units import split_heading
 
 # Bytes that tell how a file is written, and those of its end that tell digits.
 HEAD, TAIL = 262_144, 65_536
@@ -96,18 +96,15 @@ def _named_places(path: Path, table: ExportedTable, reading: RecordReading) -> d
     InputError
         If one is not there.
     """
-    headings = [heading.casefold() for heading in table.headings]
-    places = {}
+    places, headings = {}, table.headings or ("",) * table.columns
     for name, column in reading.columns.items():
-        if isinstance(column, int):
-            fits = [column - 1] if 1 <= column <= table.columns else []
-        else:
-            word = column.strip().casefold()
-            fits = [
-                place
-                for place, heading in enumerate(headings)
-                if word in (heading, heading.partition("[")[0].strip())
-            ]
+        word = str(column).strip().casefold()
+        fits = [
+            place
+            for place, heading in enumerate(headings)
+            for names in [(str(place + 1), heading, split_heading(heading)[0])]
+            if word in map(str.casefold, names)
+        ]
         if len(fits) != 1:
             known = ", ".join(map(quoted, table.headings)) or f"1 to {table.columns}"
             raise InputError(
@@ -137,8 +134,6 @@ class _Lines:
 
     def __init__(self, path: Path, table: ExportedTable, *, missing_allowed: bool) -> None:
         self.path, self.table, self.missing_allowed = path, table, missing_allowed
-        with path.open("rb") as file:
-            self.encoding = _encoding(path, file.read(HEAD))
 
     def count(self) -> int:
         """Count the lines of numbers, of which none is empty."""
@@ -151,7 +146,7 @@ class _Lines:
     def blocks(self) -> Iterator[Array]:
         """Read the numbers, shape (lines, columns), of some lines at a time."""
         first = self.table.lines[0]
-        with self.path.open(encoding=self.encoding) as file:
+        with self.path.open(encoding="utf-8-sig", errors="replace") as file:  # numbers are ASCII
             for _ in islice(file, first - 1):
                 pass
             while lines := list(islice(file, LINES)):
@@ -192,15 +187,6 @@ class _Lines:
                 )
             row.append(value)
         return [row]
-
-
-def _encoding(path: Path, head: bytes) -> str:
-    decoded(path, head[: head.rfind(b"\n") + 1] or head, "record")
-    try:
-        head[: head.rfind(b"\n") + 1].decode("utf-8")
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8-sig"
 
 
 def _last_cells(path: Path, table: ExportedTable) -> list[list[str]]:
