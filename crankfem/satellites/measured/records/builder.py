@@ -45,7 +45,6 @@ class RecordReading:
     columns: Mapping[str, int | str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     rate: float | None = None
-    sheet: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,11 +118,22 @@ class RecordBuilder:
         places = {id(each): self.places(each) for each in axes}
         # Evenly sampled over one of time and angle, the other one is a channel.
         chosen = next((each for each in axes if places[id(each)].even), axes[0] if axes else None)
-        for each in series:
-            if chosen is None:
+        if chosen is None:
+            for each in series:
                 self._add_without_places(group, each)
-            elif each is not chosen:
-                self.add_over(group, each, places[id(chosen)])
+            return
+        kind = places[id(chosen)].kind
+        alike = [id(each) for each in axes if places[id(each)].kind == kind]
+        if len(alike) > 1:
+            self.notes.append(
+                f"Each channel is over the column of {kind} before it, of {len(alike)}."
+            )
+        over = alike[0]
+        for each in series:
+            if id(each) in alike:
+                over = id(each)
+            else:
+                self.add_over(group, each, places[over])
 
     def _add_without_places(self, group: str, series: Series) -> None:
         if series.gaps:
