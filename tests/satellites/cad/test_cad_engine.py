@@ -21,11 +21,14 @@ from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_text import toml_text
 from crankfem.report.interactive.throw_view import shaft_figure
+from crankfem.satellites.cad.dimensions import dimensions_text
 from crankfem.satellites.cad.new_engine import engine_text
 from crankfem.satellites.cad.run import run_cad
 from fem.analysis import analyze_throw
 from geometry.crankshaft import throw_masses
+from geometry.imported import import_throw
 from geometry.solid_files import write_step
+from geometry.throw_dimensions import Counterweight
 
 pytestmark = pytest.mark.slow
 NAME = "6chn25-34"
@@ -246,3 +249,27 @@ def test_a_picture_tells_throws_apart(engine):
     plain, colored = (shaft_surface(shaft, 1, colored) for colored in (False, True))
     assert set(colored.kinds.tolist()) == set(range(FIRST_THROW, FIRST_THROW + 6))
     assert max(plain.kinds) < FIRST_THROW
+
+
+@pytest.mark.parametrize(
+    ("changes", "described"),
+    [
+        ({}, True),
+        ({"counterweight": Counterweight(outer_radius=0.1, angle=2.2)}, True),
+        ({"web_tip_thickness": 0.012, "web_foot_thickness": 0.02}, False),  # not looked for
+    ],
+)
+def test_dimensions_are_written_where_they_describe_a_throw(changes, described, tmp_path):
+    shipped, material = load_throw("yamz-5340")
+    throw = shipped.changed(**changes)
+    part = import_throw(write_step(throw, tmp_path / "throw.step"))
+    text = dimensions_text(analyze_throw(part, material, accuracy=0.02), 0.02)
+    assert (text != "") == described
+    if described:
+        path = tmp_path / "dimensions.toml"
+        path.write_text(f"[throw]\n{text}\n", encoding="utf-8")
+        again, _ = load_throw(path)
+        assert again.web_width == close(throw.web_width, rel=1e-3)
+        assert again.volume == close(throw.volume, rel=1e-3)
+        if throw.counterweight is not None:
+            assert again.counterweight.angle == close(throw.counterweight.angle, rel=0.02)
