@@ -11,6 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from crankbase.diagrams import figure, legend_inside, order_line_style
 from crankfem.analyses.study.response_fits import fit_study
 from fem.material import Material
@@ -52,6 +54,12 @@ class Study:
             outcomes[design.key] = self._solved(design.key, design.inputs)
             if design.ordinary:
                 outcomes[design.ordinary[0]] = self._solved(*design.ordinary)
+        # The scatter of error bars takes part in the choice of a form: held-out designs have those of runs.
+        table = study_table(plan, designs, outcomes)
+        bar = {RESPONSE: float(np.median(table.errors[RESPONSE][~table.held_out]))}
+        for design in designs:
+            if design.role == HELD_OUT and not design.ordinary:
+                outcomes[design.key] = replace(outcomes[design.key], errors=bar)
         table = study_table(plan, designs, outcomes)
         chosen = fit_study(table)["axial_compliance"].chosen
         assert chosen.largest_heldout_error is not None
@@ -77,7 +85,8 @@ class Study:
         self.seconds += time.process_time() - begin
         tier = found.moved.tier if found.moved else MESHED
         self.kinds.append(tier)
-        return _outcome(key, inputs, found, {"tier": tier} if MOVED in inputs else {})
+        mesh = {"tier": tier, "discrete": found.discrete} if MOVED in inputs else {}
+        return _outcome(key, inputs, found, mesh)
 
 
 def _place(values: tuple[float, ...]) -> str:

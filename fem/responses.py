@@ -126,6 +126,8 @@ class ThrowResponses:
     slope_errors : dict
         Estimated error of the slopes of each response. They are those of the mesh's own answer, without its
         correction, whose slopes would take two to three times as long as the rest.
+    discrete : dict
+        The values without correction, where the mesh was moved.
     moved : MovedMesh or None
         The mesh, where it was moved.
     """
@@ -135,6 +137,7 @@ class ThrowResponses:
     unknowns: int
     slopes: dict[str, dict[str, float]] = field(default_factory=dict)
     slope_errors: dict[str, float] = field(default_factory=dict)
+    discrete: dict[str, float] = field(default_factory=dict)
     moved: MovedMesh | None = None
 
 
@@ -264,6 +267,7 @@ def evaluate_throw(
         level.mesh.unknowns,
         {name: of_paths for name, of_paths in shares.items() if of_paths},
         {name: slope_bars[name] for name, of_paths in shares.items() if of_paths},
+        _with_reactions(plain) | {"mass": mass} if moved else {},
         moved,
     )
 
@@ -278,6 +282,15 @@ def _solve_moved(
         return None, None
     level = solve_level(moved.mesh, problem)
     return (None, None) if level.axial_part.discrete is None else (moved, level)
+
+
+def _with_reactions(answers: Mapping[str, float]) -> dict[str, float]:
+    """Add the axial reactions to answers of a superelement."""
+    reactions = {}
+    for support in SUPPORTS:
+        influence, axial = (answers[name] for name in _reaction_of(support))
+        reactions[f"axial_reaction_{support}"] = influence / axial
+    return {**answers, **reactions}
 
 
 def _shares(larger: Mapping[str, float], plain: Mapping[str, float]) -> dict[str, float]:

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 # Roles of rows: fitted, judged by, only compared with.
 RUN, HELD_OUT, MEASURED = "run", "held out", "measured"
@@ -47,7 +48,8 @@ class Outcome:
         As of `fem.responses.ThrowResponses`, if the inputs ask for any.
     mesh : mapping
         If the inputs ask for a moved mesh: how it was made, ``tier``; of one that was moved also its
-        ``quality``, the ``straightened`` elements, and the ``reference``, a hash of the mesh that was moved.
+        ``quality``, the ``straightened`` elements, the ``reference``, a hash of the mesh that was moved, and
+        ``discrete``: the answers without their correction, by response.
     """
 
     key: str
@@ -62,7 +64,7 @@ class Outcome:
     attempts: int = 1
     slopes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     slope_errors: Mapping[str, float] = field(default_factory=dict)
-    mesh: Mapping[str, str | float] = field(default_factory=dict)
+    mesh: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def status(self) -> str:

@@ -10,6 +10,7 @@ from crankbase.outputs import protected, recording_run_files
 from crankbase.summaries import summarized
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.provenance import repetition
+from crankfem.analyses.record import attributes, with_units
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.strength.cycle_fatigue import fatigue_or_reason
@@ -131,7 +132,8 @@ def _run(inputs: RunInputs, folder: Path, workers: int, reporter: TimedProgress)
     with Renderings() as renderings:
         computed = _compute(inputs, folder / STORE, workers, reporter, renderings)
         results = run_results(computed, repetition(inputs.files, reporter.seconds, inputs.option))
-        replace_last_run(folder, results)
+        record = with_units(results)
+        replace_last_run(folder, record)
         if computed.study is not None:
             computed.study.model.save(folder / MODEL)
 
@@ -147,7 +149,8 @@ def _run(inputs: RunInputs, folder: Path, workers: int, reporter: TimedProgress)
     )
     reporter.step("Writing the report")
     # A page shows what is stored, now as when it is written again.
-    stored = RunResults.from_json(write_results(folder, results).read_bytes())
+    record |= attributes(results, "pictures", "interactive", "picture_note", "repeat")
+    stored = RunResults.from_json(write_results(folder, record).read_bytes())
     report = write_report(stored, folder / PICTURES, folder / REPORT)
     return RunResult(folder, report, results)
 

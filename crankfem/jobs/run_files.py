@@ -24,7 +24,7 @@ from crankbase.outputs import (
     write_text,
 )
 from crankbase.results import json_text
-from crankfem.analyses.record import with_units
+from crankfem.analyses.record import Record, with_units
 from crankfem.analyses.run_results import RunResults
 from crankfem.report.figures import PLOTS
 from regression.records import Outcome
@@ -106,13 +106,13 @@ def the_only_run(folder: Path) -> Iterator[None]:
         yield
 
 
-def write_results(folder: Path, results: RunResults) -> Path:
+def write_results(folder: Path, results: RunResults | Record) -> Path:
     """Write results.json in one step; errors as of `crankbase.outputs.write_text`."""
     with recording_run_files():
         return write_text(folder / RESULTS, results_text(results), "results")
 
 
-def replace_last_run(folder: Path, results: RunResults) -> None:
+def replace_last_run(folder: Path, results: RunResults | Record) -> None:
     """Remove the files of the last run from a folder, and write the results of a new one.
 
     Where the results cannot be written, for want of space or rights, the last run stays as it is.
@@ -137,7 +137,7 @@ def replace_last_run(folder: Path, results: RunResults) -> None:
                 path.unlink(missing_ok=True)
 
 
-def results_text(results: RunResults) -> str:
+def results_text(results: RunResults | Record) -> str:
     """Return the text of results.json."""
     return json_text(with_units(results), indent=1)
 

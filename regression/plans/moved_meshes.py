@@ -18,7 +18,10 @@ MESHES = (NEW_MESH, MOVED_MESH)
 # A class of fewer designs for each factor does not repay its anchors.
 FEWEST = 4
 # With so few factors and so coarse an accuracy one anchor will do, until so many designs share more.
-FEW_FACTORS, COARSE, MANY_DESIGNS = 3, 0.02, 60
+FEW_FACTORS, COARSE, MANY_DESIGNS = 3, 0.02, 100
+# Anchors are solved to this, or to the study's accuracy if that is finer: a moved mesh leaves less than
+# coarser ones do.
+ANCHOR_ACCURACY = 0.01
 # Anchors for each coefficient of a ratio that is linear in the factors.
 ANCHORS = 1.5
 

@@ -38,6 +38,7 @@ from regression.plans.factors import (
     unknown_field,
 )
 from regression.plans.moved_meshes import (
+    ANCHOR_ACCURACY,
     MESHES,
     MOVED_MESH,
     NEW_MESH,
@@ -270,7 +271,7 @@ def _check_factor(
 # Raise when a change of the model changes results: stored results of older versions are not used.
 MODEL_VERSION = 7
 # The same for answers on moved meshes, before they are scaled: others have keys of their own.
-MOVED_VERSION = 1
+MOVED_VERSION = 2
 
 
 @frozen("study: key", "factors: names", "design: design.kind", "held_out", "accuracy")
@@ -611,6 +612,7 @@ def _moved_design(
     moved = {"throw": mesh_class.throw, "paths": list(plan.moved), "version": MOVED_VERSION}
     inputs = design.inputs | {MOVED: moved}
     ordinary = {name: value for name, value in design.inputs.items() if name not in (SLOPES, MOVED)}
+    ordinary["accuracy"] = min(plan.accuracy, ANCHOR_ACCURACY)
     return replace(
         design,
         inputs=inputs,

@@ -122,8 +122,19 @@ SLOPES_TABLE = """
 MESHES_TABLE = """
     CREATE TABLE IF NOT EXISTS meshes (
         design TEXT PRIMARY KEY,       -- key in designs
-        mesh TEXT NOT NULL,            -- JSON: tier, quality, straightened elements, hash of the reference
+        mesh TEXT NOT NULL,            -- JSON, as of an outcome's mesh (regression.records)
         checksum TEXT                  -- of all of the above
+    )
+    """
+
+# Made with the view of results: of designs that ask for a moved mesh, what they are in a whole study.
+SCALED_TABLE = """
+    CREATE TABLE IF NOT EXISTS scaled (
+        study TEXT NOT NULL,
+        design TEXT NOT NULL,          -- key in designs
+        responses TEXT NOT NULL,       -- JSON, SI units
+        errors TEXT NOT NULL,          -- JSON: estimated relative error of each response
+        PRIMARY KEY (study, design)
     )
     """
 
@@ -133,11 +144,19 @@ def results_view() -> str:
     dimensions = (f"{_extract('inputs', f'throw.{name}')} AS {name}" for name in DIMENSIONS)
     responses = (f"{_extract('responses', name)} AS {name}" for name in RESPONSES)
     columns = ", ".join((*dimensions, *responses))
+    unmoved = f"{_extract('inputs', MOVED)} IS NULL"
+    answers = ", ".join(
+        f"coalesce(k.{name}, CASE WHEN {unmoved} THEN d.{name} END) AS {name}"
+        for name in ("responses", "errors")
+    )
+    kept = "d.seconds, d.unknowns, d.model_version, d.worker, d.attempts, d.finished_at, d.inputs"
     return (
-        "CREATE VIEW results AS SELECT s.study, s.place, s.role, s.design AS key, d.status, d.reason, "
-        f"s.factors, s.added, {columns}, d.seconds, d.unknowns, d.model_version, d.worker, d.attempts, "
-        "d.finished_at, d.inputs, d.responses, d.errors "
-        "FROM study_designs s LEFT JOIN designs d ON d.key = s.design ORDER BY s.study, s.place"
+        "CREATE VIEW results AS WITH known AS (SELECT s.study, s.place, s.role, s.design AS key, d.status, "
+        f"d.reason, s.factors, s.added, {kept}, {answers} FROM study_designs s "
+        "LEFT JOIN designs d ON d.key = s.design "
+        "LEFT JOIN scaled k ON k.study = s.study AND k.design = s.design) "
+        "SELECT d.study, d.place, d.role, d.key, d.status, d.reason, d.factors, d.added, "
+        f"{columns}, {kept}, d.responses, d.errors FROM known d ORDER BY d.study, d.place"
     )
 
 
@@ -181,7 +200,7 @@ def prepare(connection: sqlite3.Connection) -> None:
     view = connection.execute("SELECT sql FROM sqlite_master WHERE name = 'results'").fetchone()
     if view == (results_view(),):
         return
-    for statement in TABLES:
+    for statement in (*TABLES, SCALED_TABLE):
         connection.execute(statement)
     connection.execute("DROP VIEW IF EXISTS results")
     connection.execute(results_view())
@@ -698,6 +717,17 @@ class ResultStore:
                 connection.execute(MESHES_TABLE)
                 connection.execute(_insertion("meshes", "design", mesh), mesh)
             self.damaged.pop(outcome.key, None)
+
+    def keep_scaled(
+        self, study: str, answers: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]]
+    ) -> None:
+        """Store answers and their errors on moved meshes, by design, as they are in a whole study."""
+        with self._writing() as connection:
+            connection.execute("DELETE FROM scaled WHERE study = ?", (study,))
+            connection.executemany(
+                "INSERT INTO scaled (study, design, responses, errors) VALUES (?, ?, ?, ?)",
+                [(study, design, *map(_json, both)) for design, both in answers.items()],
+            )
 
     def outcomes(self, keys: Iterable[str]) -> dict[str, Outcome]:
         """Return the available outcomes of designs, by key."""

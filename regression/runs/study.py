@@ -20,6 +20,7 @@ from fem.analysis import predicted_unknowns, solving_memory
 from geometry.mesh import MESHING_MEMORY
 from geometry.mesher import expected_unknowns
 from geometry.throw import CrankThrow
+from regression.plans.moved_meshes import NEW_MESH
 from regression.plans.plan import (
     MODEL_VERSION,
     PlannedDesign,
@@ -43,7 +44,7 @@ from regression.runs.store import (
     missing_parts,
     schema_version,
 )
-from regression.runs.study_table import StudyTable, study_table
+from regression.runs.study_table import DONE, StudyTable, study_table
 from regression.runs.workers import AskedLimits, design_limits, run_designs
 from regression.throw_values import SAME
 
@@ -308,7 +309,18 @@ def run_plan(
         else:
             check_study_memory([inputs for _, inputs in missing], workers)
             run_designs(missing, keep, workers, limits, claim)
-        return _table(results, plan, planned, computed)
+        table = _table(results, plan, planned, computed)
+        if plan.mesh != NEW_MESH:
+            rows = zip(planned.designs, table.rows, strict=False)
+            results.keep_scaled(
+                plan.key,
+                {
+                    design.key: (row.responses, row.errors)
+                    for design, row in rows
+                    if row.status == DONE and MOVED in design.inputs
+                },
+            )
+        return table
 
 
 def read_study(store: str | Path, study: str | None = None) -> StudyTable:

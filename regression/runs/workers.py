@@ -343,6 +343,7 @@ def answer(request: dict[str, Any]) -> dict[str, Any]:
                     "quality": moved.quality,
                     "straightened": moved.straightened,
                     "reference": mesh_digest(opened(reference)),
+                    "discrete": _numbers_only(evaluated.discrete),
                 }
         made = {
             "responses": _numbers_only(evaluated.values),

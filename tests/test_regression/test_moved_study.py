@@ -1,5 +1,7 @@
 """Studies on moved meshes: classes and anchors by the plan alone, answers scaled, runs that continue."""
 
+import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from itertools import permutations
 
@@ -42,10 +44,11 @@ def outcome(key, inputs, value, tier=None):
 
 
 def shape(values):
-    """True answer, and that of the moved mesh, which errs by a share that is linear in the factors."""
+    """True answer, and that of the moved mesh, of which it is a share that is linear in logarithms."""
     coded = (np.array(values) - 0.1) / 0.05
     truth = 1e-9 * (1.0 + 0.3 * coded[0] - 0.2 * coded[1] ** 2)
-    return truth, truth * (0.95 + 0.004 * coded[0] - 0.003 * coded[2])
+    logs = np.log(values)
+    return truth, truth / (1.05 + 0.02 * logs[0] - 0.01 * logs[2])
 
 
 def outcomes_of(planned):
@@ -95,8 +98,12 @@ def test_a_plan_of_moved_meshes_has_keys_of_its_own():
     assert {design.mesh_class for design in designs} == {1}
     (anchor,) = (design for design in designs if design.ordinary)
     assert anchor.inputs[MOVED]["throw"] == anchor.inputs["throw"]
-    # An anchor's own mesh is that of a study of new ones: what is computed of it is shared.
-    assert anchor.ordinary[0] in {design.key for design in new.planned.designs}
+    # An anchor's own mesh is that of a study of new ones to 1 %: what is computed of it is shared.
+    fine = replace(new, accuracy=0.01).planned
+    assert anchor.ordinary[0] in {design.key for design in fine.designs}
+    finer = plan(accuracy=0.005)
+    (first, *_) = (design for design in finer.planned.designs if design.ordinary)
+    assert first.ordinary[1]["accuracy"] == 0.005
     assert not {design.key for design in designs} & {d.key for d in new.planned.designs}
     assert len(moved.planned.tasks) == len(designs) + 1
     assert moved.planned.remarks[-1] == (
@@ -117,11 +124,15 @@ def test_stresses_need_new_meshes():
 def test_a_linear_ratio_is_found_and_its_scatter_told():
     draw = np.random.default_rng(1)
     values = draw.uniform(0.1, 0.2, (8, 3))
-    ratios = 1.05 - 0.2 * values[:, 0] + 0.3 * values[:, 2]
+    # Positive factors by their logarithms, others as they are.
+    values[:, 2] -= 0.15
+    coded = np.column_stack([np.log(values[:, :2]), values[:, 2]])
+    ratios = 1.05 - 0.02 * coded[:, 0] + 0.3 * coded[:, 2]
     fit = ratio_fit(values, ratios, 0.002)
-    here = np.array([0.12, 0.19, 0.15])
-    assert fit.at(here) == close(1.05 - 0.2 * 0.12 + 0.3 * 0.15, rel=1e-12)
-    assert fit.slopes == close([-0.2, 0.0, 0.3], abs=1e-9)
+    here = np.array([0.12, 0.19, -0.01])
+    ratio = 1.05 - 0.02 * np.log(0.12) - 0.3 * 0.01
+    assert fit.at(here) == close(ratio, rel=1e-12)
+    assert fit.trend(here) * ratio == close([-0.02 / 0.12, 0.0, 0.3], abs=1e-9)
     assert fit.scatter < 1e-12
     noise = 1e-3 * draw.standard_normal(8)
     noisy = ratio_fit(values, ratios + noise, 0.002)
@@ -129,9 +140,9 @@ def test_a_linear_ratio_is_found_and_its_scatter_told():
     left = []
     for place in range(8):
         kept = np.delete(np.arange(8), place)
-        columns = np.column_stack([np.ones(7), values[kept]])
+        columns = np.column_stack([np.ones(7), coded[kept]])
         found = np.linalg.lstsq(columns, (ratios + noise)[kept], rcond=None)[0]
-        left.append(ratios[place] + noise[place] - found @ [1.0, *values[place]])
+        left.append(ratios[place] + noise[place] - found @ [1.0, *coded[place]])
     assert noisy.scatter == close(np.sqrt(np.mean(np.square(left))), rel=1e-6)
 
 
@@ -142,8 +153,8 @@ def test_answers_are_scaled_to_their_anchors():
     assert sum(design.ordinary is not None for design in planned.designs) == 6
     for design in planned.designs:
         found = scaled.outcomes[design.key]
-        assert found.responses[NAME] == close(shape(design.values)[0], rel=1e-5)
-        assert found.errors[NAME] == close(0.02, rel=1e-4)
+        assert found.responses[NAME] == close(shape(design.values)[0], rel=1e-9)
+        assert found.errors[NAME] == close(0.02, rel=1e-9)
     # In whatever order, and with an anchor missing.
     (first, *_) = (design.ordinary[0] for design in planned.designs if design.ordinary)
     fewer = {key: one for key, one in outcomes.items() if key != first}
@@ -189,21 +200,56 @@ def test_designs_that_were_meshed_are_not_scaled():
     assert list(frame["mesh"]) == kinds
 
 
-def test_slopes_take_the_slope_of_the_ratio():
+def discrete(values):
+    """The moved mesh's own answer, which its correction takes to that of `shape`."""
+    logs = np.log(np.array(values) / [0.285, 0.137, 0.067])
+    return shape(values)[1] / (1.06 + 0.1 * logs[0] - 0.3 * logs[0] * logs[2] + 0.2 * logs[1] ** 2)
+
+
+def test_answers_and_slopes_are_of_one_function():
     made = plan(accuracy=0.005, slopes=True)
-    outcomes = outcomes_of(made.planned)
-    for key, one in outcomes.items():
+    designs, outcomes = made.planned.designs, outcomes_of(made.planned)
+    for design in designs:
+        one = outcomes[design.key]
+        noisy = one.responses[NAME] * (1.0 + 1e-5 * np.sin(1e9 * design.values[0]))
+        mesh = {**one.mesh, "discrete": {NAME: discrete(design.values)}}
+        one = replace(one, responses={NAME: noisy}, mesh=mesh)
         if "slopes" in one.inputs:
-            shares = dict.fromkeys(made.moved, 0.5)
-            outcomes[key] = replace(one, slopes={NAME: shares}, slope_errors={NAME: 0.01})
-    table = study_table(made, made.planned.designs, outcomes)
-    fit = scaled_answers(made.planned.designs, outcomes).fits[1][NAME]
-    for place, design in enumerate(made.planned.designs):
-        if design.role != RUN:
-            continue
+            shares = {}
+            for place, factor in enumerate(FACTORS):
+                low, high = (np.array(design.values) for _ in range(2))
+                low[place], high[place] = 0.9999 * low[place], 1.0001 * high[place]
+                shares[factor.name] = np.log(discrete(high) / discrete(low)) / np.log(
+                    1.0001 / 0.9999
+                )
+            one = replace(one, slopes={NAME: shares}, slope_errors={NAME: 0.1})
+        outcomes[design.key] = one
+    table = study_table(made, designs, outcomes)
+    assert np.all(table.slope_errors[NAME][~table.held_out] < 0.1)
+    assert scaled_answers(designs, outcomes).fits[1][NAME].scatter < 2e-5
+
+    def multiplier(design, place, change):
+        """By what an answer of the mesh is multiplied, as an added design with an answer of 1 tells."""
         values = np.array(design.values)
-        expected = table.responses[NAME][place] * (0.5 / values + fit.slopes / fit.at(values))
-        assert table.slopes[NAME][place] == close(expected, rel=1e-9)
+        values[place] *= 1.0 + change
+        known = outcomes[design.key]
+        unit = replace(known, mesh={**known.mesh, "discrete": {NAME: 1.0}})
+        added = replace(design, values=tuple(values), added=True, key="added", ordinary=None)
+        scaled = scaled_answers([*designs, added], {**outcomes, "added": unit})
+        return scaled.outcomes["added"].responses[NAME]
+
+    for number, design in enumerate(designs):
+        answer = table.responses[NAME][number]
+        assert answer == close(shape(design.values)[0], rel=1e-4)
+        if design.role != RUN or design.ordinary:
+            continue
+        assert answer == close(multiplier(design, 0, 0.0) * discrete(design.values), rel=1e-12)
+        for place, factor in enumerate(FACTORS):
+            low, high = (multiplier(design, place, change) for change in (-1e-5, 1e-5))
+            own = outcomes[design.key].slopes[NAME][factor.name]
+            share = own + np.log(high / low) / 2e-5
+            found = table.slopes[NAME][number, place] * design.values[place] / answer
+            assert found == close(share, abs=1e-8)
 
 
 QUICK = """
@@ -231,6 +277,12 @@ def puppets(monkeypatch):
     return made
 
 
+def shown(store):
+    """Answers of designs in the order of their study, as the store shows them to other programs."""
+    with closing(sqlite3.connect(store)) as connection:
+        return [value for (value,) in connection.execute(f"SELECT {NAME} FROM results")]
+
+
 def test_an_interrupted_study_continues_and_ends_the_same(puppets, tmp_path):
     made = plan()
 
@@ -240,12 +292,14 @@ def test_an_interrupted_study_continues_and_ends_the_same(puppets, tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         run_plan(made, tmp_path / "stopped.sqlite", 1, interrupt)
+    assert set(shown(tmp_path / "stopped.sqlite")) == {None}
     continued = run_plan(made, tmp_path / "stopped.sqlite", 2)
     at_once = run_plan(made, tmp_path / "whole.sqlite", 1)
     assert 0 < continued.computed < at_once.computed == len(made.planned.tasks)
     for table in (continued, read_study(tmp_path / "stopped.sqlite")):
         assert np.array_equal(table.responses[NAME], at_once.responses[NAME])
         assert [row.mesh for row in table.rows] == [row.mesh for row in at_once.rows]
+    assert shown(tmp_path / "stopped.sqlite") == list(at_once.responses[NAME])
     assert {throw["web_width"] for throw in puppets} == {
         made.planned.designs[0].inputs[MOVED]["throw"]["web_width"]
     }
