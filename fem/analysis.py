@@ -5,6 +5,7 @@ twice the energy of the error. That energy is estimated element by element from 
 (`fem.correction`); the next mesh gets small elements where it is large.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -416,6 +417,8 @@ class ThrowAnalysis(SolvedSuperelement):
         InputError
             If an argument is unknown.
         """
+        if not self.mesh.pins:
+            return math.nan  # an end part of a crankshaft carries no rod
         radial = self.superelement.radials[checked_pin(pin, len(self.mesh.pins))]
         load = self._end_load(pin, radial, NO_FORCE, distribution)
         return float(STRETCH @ end_motions(self.superelement, support, load[:, None])[:, 2])

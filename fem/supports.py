@@ -119,7 +119,7 @@ def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
     return SupportedThrow(
         axial=float(STRETCH @ motions[:, 0]),
         torsional=float(TWIST @ motions[:, 1]),
-        influence=float(influences[0]),
+        influence=float(influences[:1].sum()),
         stretches=stretches,
         influences=influences,
     )
@@ -205,7 +205,7 @@ def all_end_motions(throw: Superelement, support: Support, pin_loads: Array | No
     """
     joined = throw.joined
     if pin_loads is None:
-        pin_loads = np.hstack(list(joined.pin_loads))
+        pin_loads = joined.pin_loads.transpose(1, 0, 2).reshape(len(joined.stiffness), -1)
     if isinstance(support, Neighbors):
         loads = np.zeros((len(joined.stiffness), pin_loads.shape[1]))
         loads[: len(pin_loads)] = pin_loads
@@ -315,7 +315,9 @@ def class_axial_compliances(part: CondensedClass, support: str) -> tuple[float, 
     """
     pull = STRETCH @ part.symmetry.ends
     lengthening = axial_motion(part, support)
-    return float(lengthening @ pull), float(lengthening @ part.pin_loads[0, :, :3] @ RADIAL)
+    # An end part of a crankshaft has no pin.
+    radial = part.pin_loads[:1, :, :3].sum(axis=0) @ RADIAL
+    return float(lengthening @ pull), float(lengthening @ radial)
 
 
 def axial_motion(part: CondensedClass, support: str) -> Array:

@@ -610,7 +610,7 @@ def uniform_pin_loads(mesh: ThrowMesh) -> Array:
 
 def radial_directions(throw: Throw) -> Array:
     """Directions (pins, 3) from each pin's axis to the shaft."""
-    axes = np.array([(*axis, 0.0) for axis in throw.pin_axes])
+    axes = np.array([(*axis, 0.0) for axis in throw.pin_axes]).reshape(-1, 3)
     return np.asarray(-axes / np.linalg.norm(axes, axis=1)[:, None])
 
 

@@ -39,6 +39,7 @@ from geometry.mesh import (
 from geometry.parts import Cylinder, Line, Outline, ThrowParts, WebPlate
 from geometry.sizes import (
     GROWTH,
+    LARGEST_ON_ROUND,
     ROOT_PER_FILLET,
     SHARES,
     SIZE_PER_BORE,
@@ -146,24 +147,29 @@ class ImportedThrow:
         return ThrowParts(self.cylinders, ())
 
     @property
+    def _first_pin(self) -> Cylinder:
+        """Or, of an end part of a crankshaft, which has none, its main journal."""
+        return self.cylinders[1 if self.pins else 0]
+
+    @property
     def crank_radius(self) -> float:
         """Of the first pin [m]."""
-        return math.hypot(*self.pins[0].axis)
+        return math.hypot(*self._first_pin.axis)
 
     @property
     def pin_diameter(self) -> float:
         """Of the first pin [m]."""
-        return 2.0 * self.pins[0].radius
+        return 2.0 * self._first_pin.radius
 
     @property
     def pin_length(self) -> float:
         """Of the first pin, between the webs [m]."""
-        return self.pins[0].end - self.pins[0].start
+        return self._first_pin.end - self._first_pin.start
 
     @property
     def pin_bore(self) -> float:
         """Diameter of the hole through the first pin, 0 without one [m]."""
-        return 2.0 * self.pins[0].bore_radius
+        return 2.0 * self._first_pin.bore_radius
 
     @property
     def main_journal_diameter(self) -> float:
@@ -267,7 +273,7 @@ class ImportedThrow:
                     if sizes is None:
                         _set_sizes(gmsh, self, made, factor)
                     else:
-                        set_size_map(gmsh, sizes, factor)
+                        set_size_map(gmsh, sizes, factor, self.parts)
                 mesh = checked_mesh(
                     gmsh,
                     made.surfaces,
@@ -542,8 +548,9 @@ def _scaled(plan: SizePlan, factor: float) -> SizePlan:
 def _set_sizes(gmsh: Any, throw: ImportedThrow, part: PartOfSolid, factor: float) -> None:
     """Sizes at fillets and corners by a field, elsewhere by curvature."""
     plan = _scaled(throw.plan, factor)
-    # Elements round a circle, as long beside its radius as at fillets.
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 2.0 * math.pi / ROOT_PER_FILLET / factor)
+    # Elements round a circle, as long beside its radius as at fillets; an end part may have no fillet at all.
+    longest = factor * ROOT_PER_FILLET if throw.pins else min(factor, 1.0) * LARGEST_ON_ROUND
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 2.0 * math.pi / longest)
     gmsh.option.setNumber("Mesh.MeshSizeMin", factor * throw.smallest)
     gmsh.option.setNumber("Mesh.MeshSizeMax", plan.bulk)
     if not plan.zones:

@@ -39,8 +39,9 @@ from geometry.shaft_cuts import (
 from geometry.solids_in_file import SolidInFile
 from geometry.step_file import CYLINDER, StepFace, read_step
 
-# Names of the files with the throws.
+# Names of the files with the throws and the end parts.
 THROW_FILE = "throw-{}.step"
+FREE_END_FILE, FLANGE_FILE = "free-end.step", "flange-end.step"
 # Angles are round to so many decimals; the kernel's round-off is below [deg].
 ANGLE_DECIMALS = 9
 
@@ -78,10 +79,16 @@ class EndPart:
     ----------
     low, high : float
         Reach along the shaft, z from the first cut [m].
+    part : ImportedThrow or None
+        The part by itself, as a throw without pins, for `analyze_throw`.
+    fault : str
+        Why there is none; empty if there is one.
     """
 
     low: float
     high: float
+    part: ImportedThrow | None
+    fault: str
     _piece: Piece = field(repr=False)
 
     def masses(self, density: float) -> MassProperties:
@@ -238,9 +245,11 @@ def import_crankshaft(
                 continue
             tell(f"Reading throw {number + 1}")
             throws.append(_imported(cut, piece, into / THROW_FILE.format(number + 1), process))
+        beyond = ((cut.free_end, FREE_END_FILE), (cut.flange_end, FLANGE_FILE))
+        free, flange = (_end(cut, piece, into / name, process) for piece, name in beyond)
     except ProcessLostError as error:
         raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
-    return _crankshaft(str(path), unit, cut, tuple(throws))
+    return _crankshaft(str(path), unit, cut, tuple(throws), (free, flange))
 
 
 @cache
@@ -252,11 +261,11 @@ def _scratch(_owner: int) -> Path:
 
 
 def _imported(cut: CutShaft, piece: Piece, file: Path, process: IsolatedProcess) -> ImportedThrow:
-    """Write a throw and read it, its pins where they were found."""
+    """Write a throw or an end part and read it, its pins where they were found."""
     with write_errors(file):
         write_text(file, piece.text, "solid")
     pins = [cut.pins[number] for number in piece.pins]
-    turn = -angle_of(pins[0].axis)
+    turn = -angle_of(pins[0].axis) if pins else 0.0
     cosine, sine = math.cos(turn), math.sin(turn)
     faces = []
     for number, pin in enumerate(pins):
@@ -286,7 +295,11 @@ def _imported(cut: CutShaft, piece: Piece, file: Path, process: IsolatedProcess)
 
 
 def _crankshaft(
-    path: str, unit: float, cut: CutShaft, throws: tuple[ImportedThrow, ...]
+    path: str,
+    unit: float,
+    cut: CutShaft,
+    throws: tuple[ImportedThrow, ...],
+    ends: tuple[EndPart | None, EndPart | None],
 ) -> ImportedCrankshaft:
     pieces = cut.throws
     angles = [
@@ -308,7 +321,7 @@ def _crankshaft(
         journals=tuple(map(_cylinder, cut.mains)),
         pins=tuple(map(_cylinder, cut.pins)),
         bores=tuple(map(_cylinder, cut.bores)),
-        ends=(_end(cut.free_end), _end(cut.flange_end)),
+        ends=ends,
         remarks=(*_remarks(cut, unit), *_unused_symmetries(pieces, throws)),
         _pieces=pieces,
     )
@@ -320,8 +333,16 @@ def _unused_symmetries(pieces: Sequence[Piece], throws: Sequence[ImportedThrow])
             yield f"Throw {number}: {throw.remarks[-1]}"
 
 
-def _end(piece: Piece | None) -> EndPart | None:
-    return None if piece is None else EndPart(piece.low, piece.high, piece)
+def _end(
+    cut: CutShaft, piece: Piece | None, file: Path, process: IsolatedProcess
+) -> EndPart | None:
+    if piece is None:
+        return None
+    try:
+        part, fault = _imported(cut, piece, file, process), ""
+    except InputError as error:
+        part, fault = None, str(error)
+    return EndPart(piece.low, piece.high, part, fault, piece)
 
 
 def _cylinder(found: FoundCylinder) -> ShaftCylinder:

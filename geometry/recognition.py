@@ -101,9 +101,10 @@ def planned_sizes(
 ) -> SizePlan:
     """Choose element sizes by the rules for throws given by dimensions.
 
-    A web is as thick as the gap between the journal or pin before it and the one after it.
+    A web is as thick as the gap between the journal or pin before it and the one after it. An end part of a
+    crankshaft has no pins, but main journals alone.
     """
-    thinnest_pin = min(pin.radius for pin in row[1:-1])
+    thinnest_pin = min(pin.radius for pin in row[1:-1] or row)
     gaps = [after[0] - before[1] for before, after in pairwise(reaches)]
     webs = [gap for gap in gaps if gap > 0.02 * thinnest_pin]
     thinnest = min(webs, default=thinnest_pin)
@@ -175,7 +176,7 @@ class _Recognition:
     def throw(self, path: str, digest: str) -> ImportedThrow:
         """Transform them into the throw frame."""
         gmsh = self._gmsh
-        x, y = self._pins[0].axis
+        x, y = self._pins[0].axis if self._pins else (0.0, 0.0)
         turn = math.atan2(x, y)
         turn = 0.0 if abs(turn) < 1e-9 else turn
         shift = 0.0 - self._low  # not minus zero
@@ -196,12 +197,9 @@ class _Recognition:
         )
         plan = planned_sizes(row, reaches, fillets, corners, radii, holes)
         names = (LEFT_JOURNAL, *map(_pin_name, range(len(self._pins))), RIGHT_JOURNAL)
-        axes = (
-            (0.0, 0.0),
-            (0.0, math.hypot(x, y)),
-            *(turned_place(pin.axis, turn) for pin in self._pins[1:]),
-            (0.0, 0.0),
-        )
+        pin_axes = [turned_place(pin.axis, turn) for pin in self._pins]
+        pin_axes[:1] = [(0.0, math.hypot(x, y))] * len(pin_axes[:1])
+        axes = ((0.0, 0.0), *pin_axes, (0.0, 0.0))
         spans = [(low + shift, high + shift) for low, high in reaches]
         cylinders = named_cylinders(names, axes, row, spans, radii, holes)
         throw = ImportedThrow(
@@ -230,7 +228,8 @@ class _Recognition:
     def _symmetric(self, throw: ImportedThrow) -> ImportedThrow:
         """Find the symmetry of the throw, if its part can be cut out; the solid is no more then."""
         angles = [math.atan2(-pin.axis[0], pin.axis[1]) for pin in self._pins]
-        part = signature(self._gmsh, self._solid, self._low, self._high, angles).symmetry
+        reach = self._low, self._high
+        part = signature(self._gmsh, self._solid, *reach, angles or [0.0]).symmetry
         if part == "full":
             return throw
         try:

@@ -73,7 +73,7 @@ class Piece:
     copied : int or None
         Number of a throw before it that is the same.
     text : str
-        STEP file of a throw that is no copy, first pin at +y, left end at z = 0.
+        STEP file of an end part, or of a throw that is no copy: first pin at +y, left end at z = 0.
     """
 
     low: float
@@ -353,7 +353,8 @@ class _Shaft:
             piece = Piece(*reach, solid.scaled(MM))
             before, behind = high < self.cuts[0] + self._near, low > self.cuts[-1] - self._near
             if before or behind:
-                ends[int(behind)] = piece
+                text = self._text(shapes, tag, low, 0.0, folder)
+                ends[int(behind)] = replace(piece, text=text)
                 continue
             pins = self._throws[len(throws)]
             angles = [angle_of(pin.axis) for pin in pins]

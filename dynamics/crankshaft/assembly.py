@@ -156,8 +156,9 @@ def join_beam(
 CLASSES = ("axial", "torsional", "bending")
 BENDING = CLASSES.index("bending")
 # Of a throw's mass and inertia, the share of either end section; the pins have the rest. By Simpson's
-# rule, which integrates the square of a motion that grows linearly from end to end exactly.
-END_SHARE = 1.0 / 6.0
+# rule, which integrates the square of a motion that grows linearly from end to end exactly. Without pins the
+# sections have all.
+END_SHARE, WITHOUT_PINS = 1.0 / 6.0, 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,8 +239,8 @@ def shaft_stations(
     sections, pins, pin_places = np.zeros((count, 2)), [], []
     for number, throw in enumerate(throws):
         inertia = np.array(throw.rigid_inertia())
-        sections[number : number + 2] += END_SHARE * inertia
-        share = (1.0 - 2.0 * END_SHARE) / len(throw.pins)
+        sections[number : number + 2] += (END_SHARE if len(throw.pins) else WITHOUT_PINS) * inertia
+        share = (1.0 - 2.0 * END_SHARE) / max(len(throw.pins), 1)
         pins += [share * inertia] * len(throw.pins)
         pin_places += [float(starts[number] + center[2]) for center in throw.pins]
     axial, polar = np.vstack((sections, *pins)).T

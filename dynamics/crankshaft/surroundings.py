@@ -45,7 +45,7 @@ class ShaftThrow:
         Loads on these unknowns equivalent to unit forces along x, y, z on each pin, and unit moments.
         Transposed, they give the pin's mean motion.
     pins : array_like of shape (p, 3)
-        Center of each pin in the throw frame [m].
+        Center of each pin in the throw frame [m]; none of a part of the shaft beyond the throws.
     length : float
         From section to section [m].
     crank_angle_deg : float
@@ -87,10 +87,10 @@ class ShaftThrow:
                     f"{name}: given a matrix that is not symmetric; allowed are symmetric ones, because they "
                     "belong to an energy."
                 )
-        if self.pins.ndim != 2 or self.pins.shape[1] != 3 or not len(self.pins):
+        if self.pins.ndim != 2 or self.pins.shape[1] != 3:
             raise InputError(
                 f"pins: given an array of shape {self.pins.shape}; allowed is (pins, 3), because a "
-                "throw has one pin or more."
+                "pin's center has three coordinates."
             )
         if np.any(np.hypot(self.pins[:, 0], self.pins[:, 1]) == 0.0):
             raise InputError(

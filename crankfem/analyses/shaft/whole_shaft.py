@@ -480,7 +480,8 @@ def shaft_throws(
     crank_angles_deg : sequence of n float
         Angle of each throw's first pin about +z [deg].
     """
-    pins = np.array([[*pin.axis, 0.5 * (pin.start + pin.end)] for pin in throw.parts.pins])
+    centers = [[*pin.axis, 0.5 * (pin.start + pin.end)] for pin in throw.parts.pins]
+    pins = np.array(centers).reshape(-1, 3)  # an end part of a crankshaft has none
     throws = []
     for angle_deg in map(float, crank_angles_deg):
         turned = superelement.bending_turned(angle_deg=angle_deg)

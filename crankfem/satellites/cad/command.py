@@ -13,6 +13,8 @@ from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 
+MOST_MODES = 20
+
 
 @with_output(files=True, units=True)
 def cad(
@@ -49,6 +51,15 @@ def cad(
     no_fe: Annotated[
         bool, typer.Option("--no-fe", help="Only find and weigh the throws, without compliances.")
     ] = False,
+    free_modes: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            min=0,
+            max=MOST_MODES,
+            help="Find N natural frequencies of the whole crankshaft, free in space as in a hammer test.",
+        ),
+    ] = 0,
     throws: Annotated[
         str | None,
         typer.Option(
@@ -71,11 +82,14 @@ def cad(
     from crankbase.outputs import write_user_file
     from crankfem.analyses.record import with_units
     from crankfem.jobs.outputs import check_outputs, check_writable, make_output_folder
-    from crankfem.satellites.cad.dimensions import dimensions_text
     from crankfem.satellites.cad.new_engine import engine_text
     from crankfem.satellites.cad.run import run_cad
 
     COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
+    if no_fe and free_modes:
+        raise InputError(
+            "--free-modes: given with --no-fe; give one, because modes take finite elements."
+        )
     moved = _moved(cut or [])
     check_outputs(None, None, Path(file))
     written = None if engine is None else Path(engine)
@@ -95,17 +109,14 @@ def cad(
             cuts=moved,
             folder=folder,
             accuracy=None if no_fe else accuracy,
+            free=free_modes,
             on_step=progress.step,
         )
-        dimensions: dict[int, str] = {}
-        for number, analysis in run.analyses.items() if written is not None else ():
-            progress.step(f"Looking for dimensions of throw {number}")
-            dimensions[number] = dimensions_text(analysis, accuracy)
         progress.finish()
     files = [f"Throws: {throws} ({len(run.files)} files)"] if folder is not None else []
     made = {}
     if written is not None:
-        write_user_file(written, engine_text(run, written, dimensions).encode())
+        write_user_file(written, engine_text(run, written).encode())
         made = {"engine": engine}
         files.append(f"Engine file: {engine}; next: crankfem check {engine}")
     if out.json:

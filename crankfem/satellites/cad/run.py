@@ -11,6 +11,8 @@ from crankbase.array_checks import Array
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankbase.sentences import amount, angle, finished, joined
 from crankbase.table import Column, Main, Table
+from crankfem.satellites.cad.free_shaft import end_analyses, free_modes
+from dynamics.crankshaft.shaft_modes import ShaftMode
 from fem.analysis import ThrowAnalysis, analyze_throw
 from fem.material import STEEL, Material
 from geometry.equal_pieces import EQUAL
@@ -60,13 +62,22 @@ class ThrowOfShaft(Result):
 
 @result("name", "length", "mass", "inertia_about_shaft")
 class EndOfShaft(Result):
-    """What is beyond the first or the last cut."""
+    """What is beyond the first or the last cut; stiffnesses are those from the cut to its far face.
+
+    Attributes
+    ----------
+    remark : str
+        Why there are no stiffnesses, which finite elements alone give; empty if there are.
+    """
 
     name: str
     start: Metre
     length: Metre
     mass: Kilogram
     inertia_about_shaft: Inertia
+    torsional_stiffness: Annotated[float | None, Quantity("N m/rad")]
+    axial_stiffness: Annotated[float | None, Quantity("N/m")]
+    remark: str
 
 
 @result("file", "solid", "throws", "ends")
@@ -75,6 +86,8 @@ class CadRun(Result):
 
     Attributes
     ----------
+    free_modes : tuple of ShaftMode
+        The lowest of the whole crankshaft, free in space, if they were asked for.
     axis, origin : arrays (3,)
         Direction of the shaft from the free end to the flange, and center of the first cut, in the file.
     journals, pins, bores : tuple of ShaftCylinder
@@ -86,6 +99,7 @@ class CadRun(Result):
     material: Material
     throws: tuple[ThrowOfShaft, ...]
     ends: tuple[EndOfShaft, ...]
+    free_modes: tuple[ShaftMode, ...]
 
     @property
     def file(self) -> Part[str]:
@@ -158,6 +172,9 @@ class CadRun(Result):
         yield Main(self.sentence())
         if self.ends:
             yield self.end_table()
+        yield from (end.remark for end in self.ends if end.remark)
+        if self.free_modes:
+            yield self.mode_table()
         yield self.throw_table()
 
     def sentence(self) -> str:
@@ -198,6 +215,10 @@ class CadRun(Result):
 
     def end_table(self) -> Table:
         """Return the end parts."""
+        stiffnesses = (
+            (Column("torsional stiffness", "N m/rad"), "torsional_stiffness"),
+            (Column("axial stiffness", "N/m"), "axial_stiffness"),
+        )
         return Table.of_records(
             "Beyond the outer cuts",
             self.ends,
@@ -205,6 +226,17 @@ class CadRun(Result):
             (Column("length", "mm"), "length"),
             (Column("mass", "kg"), "mass"),
             (Column("inertia", "kg m^2"), "inertia_about_shaft"),
+            *(stiffnesses if self.analyses else ()),
+            main=True,
+        )
+
+    def mode_table(self) -> Table:
+        """Return the free modes of the whole crankshaft."""
+        return Table.of_records(
+            "Free in space, elastic modes",
+            self.free_modes,
+            (Column("frequency", "Hz", 5), "frequency"),
+            (Column("motion", words=True), "label"),
             main=True,
         )
 
@@ -242,6 +274,7 @@ def run_cad(
     cuts: Mapping[int, float] | None = None,
     folder: Path | None = None,
     accuracy: float | None = 0.01,
+    free: int = 0,
     material: Material = STEEL,
     on_step: Callable[[str], None] | None = None,
 ) -> CadRun:
@@ -253,6 +286,8 @@ def run_cad(
         As for `import_crankshaft`.
     accuracy : float or None
         Of the axial compliance; None for no finite elements.
+    free : int
+        How many free modes of the whole crankshaft to find, which takes finite elements.
 
     Raises
     ------
@@ -270,17 +305,23 @@ def run_cad(
         if accuracy is not None and like == number:
             tell(f"Analyzing throw {number}")
             analyses[number] = analyze_throw(throw, material, accuracy)
+    parts = {} if accuracy is None else end_analyses(shaft, accuracy, material, tell)
+    modes: tuple[ShaftMode, ...] = ()
+    if free and accuracy is not None:
+        known = {shaft.throws[number - 1]: analysis for number, analysis in analyses.items()}
+        free_shaft = free_modes(shaft, known | parts, free, accuracy, material, tell)
+        modes = tuple(map(free_shaft.described, range(free_shaft.rigid, free_shaft.rigid + free)))
     masses = shaft.masses(material.density)
     throws = tuple(
         _throw(shaft, number, mass, analyses.get(shaft.like[number][0]), folder is not None)
         for number, mass in enumerate(masses)
     )
     ends = [
-        _end(name, end, material.density)
+        _end(name, end, material.density, None if end.part is None else parts.get(end.part))
         for name, end in zip((FREE_END, FLANGE), shaft.ends, strict=True)
         if end is not None
     ]
-    return CadRun(shaft, analyses, material, throws, tuple(ends))
+    return CadRun(shaft, analyses, material, throws, tuple(ends), modes)
 
 
 def _throw(
@@ -311,9 +352,18 @@ def _throw(
     )
 
 
-def _end(name: str, end: EndPart, density: float) -> EndOfShaft:
+def _end(name: str, end: EndPart, density: float, analysis: ThrowAnalysis | None) -> EndOfShaft:
     masses = end.masses(density)
-    return EndOfShaft(name, end.low, end.high - end.low, masses.mass, masses.inertia_about_shaft)
+    return EndOfShaft(
+        name,
+        end.low,
+        end.high - end.low,
+        masses.mass,
+        masses.inertia_about_shaft,
+        None if analysis is None else 1.0 / analysis.torsional_compliance(),
+        None if analysis is None else 1.0 / analysis.axial_compliance(),
+        f"The {name} counts as rigid: {end.fault}" if end.fault else "",
+    )
 
 
 def _cylinders(title: str, items: tuple[ShaftCylinder, ...], names: tuple[str, ...] | str) -> Table:
