@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.choices import so_many
 from crankbase.errors import InputError, quoted
 
 Array = NDArray[np.float64]
@@ -169,7 +170,7 @@ def one_for_each(
     checked = _bounded_vector(field, array, unit, reason, zero_allowed=zero_allowed)
     if checked.size != count:
         raise InputError(
-            f"{field}: given {checked.size} values for {count} {of}; allowed is one for each, or a "
+            f"{field}: given {so_many(checked.size)} for {count} {of}; allowed is one for each, or a "
             "single number for all, because each has its own."
         )
     return checked

@@ -38,11 +38,16 @@ def check_some(field: str, items: Sized, because: str) -> None:
         raise InputError(f"{field}: given none; allowed are one or more, because {because}.")
 
 
+def so_many(count: int) -> str:
+    """Return "1 value", "2 values" and so on."""
+    return f"{count} value{'' if count == 1 else 's'}"
+
+
 def check_one_each(field: str, count: int, wanted: int, of: str) -> None:
     """Refuse another number of values than one for each of something."""
     if count != wanted:
         raise InputError(
-            f"{field}: given {count} values for {wanted} {of}; allowed is one for each, because each has "
+            f"{field}: given {so_many(count)} for {wanted} {of}; allowed is one for each, because each has "
             "its own."
         )
 

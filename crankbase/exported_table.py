@@ -154,11 +154,11 @@ def read_exported_table(file: InputFile, what: str, sheet: str = "") -> Exported
             f"{file.path}: given the sheet {quoted(sheet)} of text; allowed is a spreadsheet (.xlsx)."
         )
     else:
-        comments, separator, rows = _text_rows(file.path, decoded(file.path, content, what))
+        comments, separator, rows = _text_rows(file.path, _decoded(file.path, content, what))
     return _table_of(file.path, rows, comments, separator)
 
 
-def decoded(path: Path, content: bytes, what: str) -> str:
+def _decoded(path: Path, content: bytes, what: str) -> str:
     """Return a file's text, in UTF-8, UTF-16 with its mark, or else Windows-1252."""
     wrong = wrong_kind(content[:LOOKED_AT])
     unicode_text = content.startswith(UTF_16)

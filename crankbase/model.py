@@ -2,7 +2,7 @@
 
 import inspect
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self, cast, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -54,9 +54,15 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
         text = str(first["ctx"]["error"])
         if not location:
             return text if text.startswith(prefix) else prefix + text
-        return prefix + ".".join(location) + ": " + text
+        field = prefix + _path(location)
+        # What a part says of a field of its own begins with the part's section.
+        own = prefix + ".".join(part for part in location if not part.isdigit()) + "."
+        return "\n".join(
+            f"{field}.{line.removeprefix(own)}" if line.startswith(own) else f"{field}: {line}"
+            for line in text.splitlines()
+        )
     name = location[0] if location else ""
-    field = prefix + ".".join(map(named, location))
+    field = prefix + _path(location)
     if first["type"] == "missing":
         info = model.model_fields[name]
         allowed = "" if field_extra(info, "unit") is None else f"; allowed is {range_text(info)}"
@@ -87,6 +93,12 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
     return f"{field}: given {shown}; {meant}allowed is {allowed} for {_describe(known)}."
 
 
+def _path(location: Sequence[str]) -> str:
+    """Write where a value stands, such as "points[0].speed"."""
+    parts = [f"[{part}]" if part.isdigit() else f".{named(part)}" for part in location]
+    return "".join(parts).removeprefix(".")
+
+
 # What pydantic's findings about fields without a unit mean to people.
 _KINDS = {
     "float_type": "a number",
@@ -97,6 +109,7 @@ _KINDS = {
     "string_type": "text",
     "tuple_type": "a list",
     "dict_type": "a table",
+    "model_type": "a table",
     "bool_type": "true or false",
     "bool_parsing": "true or false",
 }
@@ -125,12 +138,17 @@ def range_text(info: FieldInfo) -> str:
     unit = field_extra(info, "unit")
     low, high = limits_of(info)
     if low is not None and high is not None:
-        return f"{format_quantity(low, unit)} to {format_quantity(high, unit)}"
+        return f"{_limit(low, unit)} to {_limit(high, unit)}"
     if low is not None:
-        return f"{format_quantity(low, unit)} or more"
+        return f"{_limit(low, unit)} or more"
     if high is not None:
-        return f"{format_quantity(high, unit)} or less"
+        return f"{_limit(high, unit)} or less"
     return f"any number in {DISPLAY_UNITS.get(unit, (unit,))[0]}" if unit else "any number"
+
+
+def _limit(value: float, unit: str) -> str:
+    """Write the end of a range, that of a whole number with all its digits."""
+    return str(value) if not unit and isinstance(value, int) else format_quantity(value, unit)
 
 
 def quantity_field(

@@ -586,7 +586,7 @@ def _pure_number(text: object, fault: str, limits: str) -> float:
     short = text if isinstance(text, str) and len(text) <= LONGEST_QUANTITY else ""
     match = NUMBER_AND_UNIT.fullmatch(short)
     if match is not None and not match[2]:
-        raise InputError(f"{fault}, a number in quotes; write it without quotes{limits}.")
+        raise InputError(f"{fault}, a number in quotes; allowed is a number without quotes.")
     if not isinstance(text, float) and not is_whole(text):
         meant = readings(short)
         if match is not None and match[2] == "%":

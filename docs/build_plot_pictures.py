@@ -30,7 +30,7 @@ def main() -> None:
                 for block in BLOCK.findall(text):
                     exec(compile(block, page, "exec"), names)
             plt.close("all")
-            for picture in sorted(Path(folder).iterdir()):
+            for picture in sorted(Path(folder).glob("*.[sp][vn]g")):
                 shutil.copy(picture, kept / picture.name)
                 print(f"{picture.name}: {picture.stat().st_size / 1024:.0f} kB")
 

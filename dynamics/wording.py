@@ -442,8 +442,8 @@ WITHOUT_PLANT = (
 
 
 LINE_WITHOUT_BENDING = (
-    "the shaft line begins with a spring, not a piece of shaft, and is one without bending: it does not hold "
-    "the flywheel against tilting"
+    "the shaft line is one without bending, because no single piece of shaft follows its first node: it does "
+    "not hold the flywheel against tilting"
 )
 
 
@@ -455,7 +455,7 @@ def line_bends(
     without: Sequence[str],
 ) -> tuple[str, ...]:
     """State how a shaft line bends, what of its bearings is assumed, and what its bodies are without."""
-    places = joined(" and ", [amount(place, "m") for place, _ in bearings])
+    places = joined(", ", [amount(place, "m") for place, _ in bearings])
     stiffness = amount(max((stiffness for _, stiffness in bearings), default=0.0), "N/m", 3)
     beside = "" if given_places else "assumed to be "
     held = (

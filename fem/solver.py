@@ -618,9 +618,14 @@ def factorize(upper: sparse.csr_array, solver: str = "auto") -> Iterator[Factori
         shared.close()
 
 
-def _choose(solver: str, watch: Stopwatch) -> str:
+def check_solver(solver: str) -> None:
+    """Refuse a solver of another name."""
     if solver not in ("auto", *SOLVERS):
         raise InputError(f"solver: given {solver!r}; allowed are auto, {', '.join(SOLVERS)}.")
+
+
+def _choose(solver: str, watch: Stopwatch) -> str:
+    check_solver(solver)
     if solver == "superlu":
         return solver
     with watch.lap("loading the solver"):

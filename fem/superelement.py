@@ -193,6 +193,11 @@ def hold_ends(mesh: ThrowMesh, stiffness: sparse.csr_array, degree: int) -> Held
     )
 
 
+def check_end_sections(end_sections: str) -> None:
+    """Refuse another way in which end sections move."""
+    check_choice("end_sections", end_sections, END_SECTIONS, "they move in one of these ways")
+
+
 def condense(
     mesh: ThrowMesh,
     stiffness: sparse.csr_array,
@@ -229,7 +234,7 @@ def condense(
     SolveError
         If the system cannot be solved, or its solutions fail the check of reciprocity.
     """
-    check_choice("end_sections", end_sections, END_SECTIONS, "they move in one of these ways")
+    check_end_sections(end_sections)
     pin_loads, components = _pin_loads(mesh, pins, symmetry)
     shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver)
     # The meshed part carries its share of a load on the whole pin.

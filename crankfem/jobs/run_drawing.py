@@ -23,7 +23,7 @@ from crankfem.jobs.run_files import MESH_FILE, PICTURES
 from crankfem.report.figures import ANGLES, STUDY, TORQUE
 from crankfem.report.interactive.mechanism import MECHANISM
 from crankfem.report.interactive.plot import Plots, Run
-from crankfem.report.interactive.throw_view import throw_view
+from crankfem.report.interactive.throw_view import shaft_view, throw_view
 from crankfem.report.interactive.vibration import VIBRATION
 
 
@@ -217,6 +217,11 @@ def draw_run(
             draw = partial(write_drawing, known[throw_name], title=name + of_throw)
             pictures.draw_one(f"drawing{ending}", draw)
     pictures.plot_one("throw_view", lambda place: throw_view(place, first.analysis, first.stresses))
+    if len(known) < len(engine_file.named_throws):
+        shaft = engine_file.crankshaft
+        pictures.plot_one(
+            "shaft_view", lambda place: shaft_view(place, shaft, computed.crank_analyses)
+        )
     if computed.mechanism is not None:
         pictures.draw(MECHANISM, computed.mechanism)
     if computed.study is not None:

@@ -179,6 +179,11 @@ THROW: tuple[Plot[None], ...] = (
         "deformation by an axial force and the stress at the fillets.",
     ),
     Plot(
+        "shaft_view",
+        "The crankshaft in three dimensions, its throws in colors and its cuts as rings",
+        "The crankshaft as it was read and cut: turn it with the mouse.",
+    ),
+    Plot(
         "drawing",
         "Dimensioned drawing of the crank throw: side view and view from the left end",
         "The throw as described in the file, to scale.",

@@ -18,7 +18,7 @@ from crankbase.array_checks import (
     positive_vector,
     read_only,
 )
-from crankbase.choices import check_kind, check_some
+from crankbase.choices import check_kind, check_some, so_many
 from crankbase.errors import InputError, SolveError
 from crankbase.summaries import summarized
 from dynamics.chains.chain_modes import (
@@ -284,7 +284,7 @@ class Chain:
         pairs = checked_pairs(connections, count)
         if stiffnesses.size != len(pairs):
             raise InputError(
-                f"stiffness: given {stiffnesses.size} values for {count} inertias; allowed are exactly "
+                f"stiffness: given {so_many(stiffnesses.size)} for {count} inertias; allowed are exactly "
                 f"{len(pairs)}, because "
                 + (
                     "one spring joins each two neighbors."

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from crankbase.array_checks import Array, nonnegative_number
-from crankbase.choices import check_some
+from crankbase.choices import check_some, so_many
 from crankbase.errors import InputError
 from crankbase.summaries import frozen
 from dynamics.chains.shaft_line import ShaftCone
@@ -53,7 +53,7 @@ class LineBeam:
         for name, values in (("masses", self.masses), ("inertias", self.inertias)):
             if len(values) != len(self.pieces) + 1:
                 raise InputError(
-                    f"{name}: given {len(values)} values; allowed are {len(self.pieces) + 1}, because "
+                    f"{name}: given {so_many(len(values))}; allowed are {len(self.pieces) + 1}, because "
                     "pieces in a row have so many ends and joints."
                 )
             for value in values:

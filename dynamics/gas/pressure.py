@@ -19,6 +19,7 @@ from crankbase.array_checks import (
     radians_of,
     read_only,
 )
+from crankbase.choices import so_many
 from crankbase.diagrams import write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
@@ -626,7 +627,7 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
     slope = finite_vector("volume_slope", volume_slope)
     if pressing.size != slope.size or pressing.size == 0:
         raise InputError(
-            f"volume_slope: given {slope.size} values for {pressing.size} of pressure; allowed is one "
+            f"volume_slope: given {so_many(slope.size)} for {pressing.size} of pressure; allowed is one "
             "for each and at least one, because they are multiplied at each angle."
         )
     return math.pi * checked_strokes(strokes) * float(pressing @ slope) / pressing.size

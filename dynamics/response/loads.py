@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.array_checks import Array, ComplexArray, Flags, finite_array, positive_vector
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, so_many
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError, SolveError
 from crankbase.frames import Axes, Dataset, grid
@@ -230,7 +230,7 @@ def alternating_stress(
     )
     if moduli.size != len(places):
         raise InputError(
-            f"sections: given {moduli.size} values for {len(places)} elements; allowed is one for "
+            f"sections: given {so_many(moduli.size)} for {len(places)} elements; allowed is one for "
             "each, or some by their numbers or names, because each element has its own."
         )
     return OrderSeries(

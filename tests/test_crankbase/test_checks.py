@@ -16,6 +16,7 @@ from crankbase.choices import (
     whole_within,
 )
 from crankbase.errors import LONGEST_MESSAGE, InputError, quoted
+from crankbase.model import InputModel, part_field, quantity_field
 from geometry.throw import CrankThrow
 from refusals import refused
 
@@ -214,3 +215,32 @@ def test_no_message_is_endless():
 def test_an_integer_that_python_does_not_write_can_be_quoted():
     assert "digits" in quoted(10**5000)
     assert quoted([1, "a"]) == "[1, 'a']"
+
+
+class Point(InputModel):
+    """A part of `Load`."""
+
+    section = "load.points"
+    speed: float = quantity_field("speed", "rad/s", 1.0, 100.0)
+
+
+class Load(InputModel):
+    """A record with parts."""
+
+    section = "load"
+    points: tuple[Point, ...] = part_field("points", Point, many=True)
+    seed: int = quantity_field("seed", "", 0, 2**31 - 1, default=0)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"points": [{"speed": 9.0}, {"speed": -1.0}]}, r"load\.points\[1\]\.speed: given -9\.5"),
+        ({"points": [{}]}, r"load\.points\[0\]\.speed: missing"),
+        ({"points": [5]}, r"load\.points\[0\]: given 5; allowed is a table for points"),
+        ({"seed": -1}, r"load\.seed: given -1; allowed is 0 to 2147483647"),
+    ],
+)
+def test_what_is_refused_is_named_once_by_its_path_with_its_range(values, said):
+    with pytest.raises(InputError, match=f"^{said}"):
+        Load(**values)

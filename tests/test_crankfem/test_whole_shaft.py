@@ -581,7 +581,7 @@ def test_a_line_of_shafts_bends_on_bearings_that_are_assumed(tmp_path):
     assert beam.bearings == ((4.0, 2e9), (8.0, 2e9))
     told = " ".join(remark for remark in remarks if remark not in without)
     assert (
-        "bends over 8000 mm from the flywheel on, on bearings assumed to be 4000 mm and 8000 mm"
+        "bends over 8000 mm from the flywheel on, on bearings assumed to be 4000 mm, 8000 mm"
         in told
     )
     assert "give shaft_line.bearings" in told
@@ -597,7 +597,7 @@ def test_a_line_of_shafts_bends_on_the_bearings_of_the_file(tmp_path):
     assert found.line_beam.bearings == ((1.0, 3e8), (7.0, 3e8))
     assert found.line_beam.masses == (1.0, 12.0, 100.0)
     (told,) = set(remarks) - set(without)
-    assert "on bearings 1000 mm and 7000 mm from there, of 3e8 N/m each" in told
+    assert "on bearings 1000 mm, 7000 mm from there, of 3e8 N/m each" in told
 
 
 def test_a_line_bends_up_to_what_is_no_piece_of_shaft(tmp_path):
@@ -619,7 +619,7 @@ def test_a_line_bends_up_to_what_is_no_piece_of_shaft(tmp_path):
         (
             ('shape = "cylinder"\ndiameter = "0.2 m"\nlength = "3 m"', 'stiffness = "1e6 N m/rad"'),
             'bearings = ["1 m"]',
-            "given for a line that begins with a spring",
+            "given for a line without a piece of shaft",
         ),
     ],
 )

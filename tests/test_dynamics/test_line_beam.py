@@ -133,7 +133,7 @@ def test_what_cannot_be_is_refused():
     piece = shaft_cylinder(2.0, 0.1)
     for make, said in (
         (lambda: beam(), "pieces"),
-        (lambda: LineBeam((piece,), (0.0,), (0.0, 0.0)), "masses: given 1 values"),
+        (lambda: LineBeam((piece,), (0.0,), (0.0, 0.0)), "masses: given 1 value;"),
         (lambda: LineBeam((piece,), (0.0, 0.0), (0.0, -1.0)), "inertias"),
         (lambda: beam(piece, bearings=((2.1, 1e9),)), "given one at 2.1 m; allowed is 0 to 2 m"),
         (lambda: beam(piece, bearings=((1.0, -1.0),)), "bearings"),

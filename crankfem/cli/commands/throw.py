@@ -97,8 +97,13 @@ def throw(
     shared_process().start()  # which loads gmsh while this process loads the rest
 
     from fem.first_mesh import begin_mesh
+    from fem.solver import check_solver
+    from fem.superelement import check_end_sections
 
-    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)  # before anything is printed
+    # Before anything is printed.
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)
+    check_solver(solver)
+    check_end_sections(end_sections)
     part, material = _select_part(engine, name, pins, out.quiet)
     begin_mesh(part, accuracy)
 

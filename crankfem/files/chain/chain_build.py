@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, cast
 from pydantic import Field, create_model
 
 from crankbase.array_checks import positive_number
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, so_many
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, field_extra, part_field, quantity_field
 from crankfem.files.chain.maker_values import PerUnitBase, at_own_speeds, in_si
@@ -454,7 +454,7 @@ def _nodes(section: ChainSection, base: PerUnitBase | None) -> dict[str, Node]:
         values: tuple[float, ...] | None = getattr(section, beside)
         if values is not None and len(values) != len(listed):
             raise InputError(
-                f"chain.{beside}: given {len(values)} values for {len(listed)} nodes; allowed is one for "
+                f"chain.{beside}: given {so_many(len(values))} for {len(listed)} nodes; allowed is one for "
                 "each, because each has its own."
             )
         grounds.append(values or (0.0,) * len(listed))
@@ -486,7 +486,7 @@ def _elements(
     count, nodes = len(listed), len(names)
     if count != nodes - 1:
         raise InputError(
-            f"chain.stiffness: given {count} values for {nodes} nodes; allowed are exactly {nodes - 1}, "
+            f"chain.stiffness: given {so_many(count)} for {nodes} nodes; allowed are exactly {nodes - 1}, "
             "because one spring joins each two neighbors."
         )
     damping = _of_each("chain.damping", section.damping, count)
@@ -503,7 +503,7 @@ def _of_each(field: str, values: float | tuple[float, ...], count: int) -> tuple
     listed = (values,) * count if isinstance(values, float) else values
     if len(listed) != count:
         raise InputError(
-            f"{field}: given {len(listed)} values for {count} elements; allowed is one for each, or a "
+            f"{field}: given {so_many(len(listed))} for {count} elements; allowed is one for each, or a "
             "single one for all, because each element has its own."
         )
     return listed

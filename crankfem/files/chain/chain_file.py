@@ -459,8 +459,8 @@ def read_shaft_lines(content: TomlFile) -> tuple[dict[str, Chain], LineBeam | No
         return chains, None
     if not rows:
         raise InputError(
-            "shaft_line.bearings: given for a line that begins with a spring; allowed are they where a piece "
-            "of shaft (one with a shape) follows the first node, because only pieces of shaft bend."
+            "shaft_line.bearings: given for a line without a piece of shaft behind its first node; allowed "
+            "is one in which the one element behind it has a shape, because only pieces of shaft bend."
         )
     return chains, _line_beam(rows[0], chains, lines)
 

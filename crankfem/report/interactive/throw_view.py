@@ -1,4 +1,4 @@
-"""The throw in three dimensions, to turn: its solid, its mesh, how it deforms, stress at fillets."""
+"""Throw and crankshaft in three dimensions, to turn: solid, mesh, deformation, stress at fillets, cuts."""
 
 import math
 from collections.abc import Sequence
@@ -12,9 +12,15 @@ from scipy.sparse.csgraph import connected_components
 
 from crankbase.array_checks import Array, Flags, Integers
 from crankbase.quantity import UNITS, percent
+from crankfem.analyses.throw.pictures.solid_picture import (
+    THROW_COLORS,
+    SolidSurface,
+    cylinder_surface,
+)
 from crankfem.analyses.throw.pictures.stress_picture import (
     STRESS_SHOWN,
     load_title,
+    outside_facets,
     stressed_surface,
     stretched_surface,
 )
@@ -32,8 +38,10 @@ from crankfem.report.interactive.style import (
 )
 from fem.analysis import ThrowAnalysis
 from fem.fillet_peaks import FilletStresses
-from fem.whole_throw import whole_nodes
+from fem.whole_throw import whole_facets, whole_nodes, whole_points
+from geometry.crankshaft import Crankshaft
 from geometry.mesh import SUBTRIANGLES
+from geometry.mesher import Throw
 
 # An angle between faces that makes an edge [deg].
 SHARP = 30.0
@@ -301,7 +309,9 @@ LIGHT = {"x": 6e4, "y": 1e5, "z": -3e4}
 SHORTEST = 0.25
 HEIGHT = 560
 PLACE = "x %{x:.4g}, y %{y:.4g}, z %{z:.4g} mm"
-FILE = "throw_view.json"
+FILE, SHAFT_FILE = "throw_view.json", "shaft_view.json"
+# Rings round cuts stand out by this factor.
+RING, RING_POINTS = 1.03, 61
 
 
 def throw_view(
@@ -322,6 +332,67 @@ def throw_view(
         ``throw_view.json``.
     """
     return write_figure(folder / FILE, *throw_figure(analysis, stresses))
+
+
+def shaft_view(folder: Path, shaft: Crankshaft, analyses: Sequence[ThrowAnalysis]) -> Path:
+    """Write a crankshaft in three dimensions into a folder: throws in colors, cuts as rings.
+
+    Parameters
+    ----------
+    folder : Path
+        That is there.
+    analyses : sequence of ThrowAnalysis
+        Of each crank's throw.
+
+    Returns
+    -------
+    Path
+        ``shaft_view.json``.
+    """
+    return write_figure(folder / SHAFT_FILE, *shaft_figure(shaft, analyses))
+
+
+def shaft_figure(shaft: Crankshaft, analyses: Sequence[ThrowAnalysis]) -> Figure:
+    """Draw a crankshaft: a surface for each throw and end, and a line for all cuts."""
+    most = MOST_TRIANGLES // len(analyses)
+    made: dict[Throw, tuple[Array, Integers]] = {}
+    solids: list[tuple[str, str, Array, Integers]] = []
+    for number, (throw, analysis, angle, start) in enumerate(
+        zip(shaft.throws, analyses, shaft.crank_angles_deg, shaft.starts.tolist(), strict=False)
+    ):
+        if throw not in made:
+            whole = whole_nodes(analysis.mesh)
+            corners = whole_facets(whole, outside_facets(analysis.mesh))[:, :3]
+            surface = TriangleSurface(whole_points(analysis.mesh, whole), corners)
+            values = np.zeros(len(surface.points))
+            sources, triangles = decimate_triangles(surface, values, most).split_at_sharp_edges()
+            made[throw] = surface.points[sources], triangles
+        points, triangles = made[throw]
+        place = SolidSurface(points, triangles, np.empty(0, dtype=np.int64)).moved(
+            math.radians(angle), start
+        )
+        color = THROW_COLORS[number % len(THROW_COLORS)]
+        solids.append((f"throw {number + 1}", color, place.points, triangles))
+    for cylinder in shaft.end_cylinders:
+        end = cylinder_surface(*cylinder)
+        solids.append(("end", STEEL_COLOR, end.points, end.triangles))
+    size = MILLI * float(np.ptp(np.concatenate([points for _, _, points, _ in solids])[:, 2]))
+    traces = [
+        _solid(MILLI * points, triangles, size, name=name, color=color, hover=f"{name}<br>{PLACE}")
+        for name, color, points, triangles in solids
+    ]
+    turns = np.linspace(0.0, 2.0 * math.pi, RING_POINTS)
+    radius = RING * MILLI * 0.5 * max(throw.main_journal_diameter for throw in shaft.throws)
+    rings = [
+        np.column_stack([radius * np.cos(turns), radius * np.sin(turns), np.full_like(turns, z)])
+        for z in MILLI * shaft.starts
+    ]
+    strokes = np.arange(len(rings) * RING_POINTS).reshape(len(rings), -1).tolist()
+    drawn = np.concatenate(rings)
+    traces.append(_lines(drawn, strokes, size, FEATURE_COLOR, 4.0, "cuts"))
+    view = _View("shaft", tuple(range(len(traces))), "rings: where the shaft is cut into throws")
+    layout = _layout(traces, [view], MILLI * np.concatenate([points for _, _, points, _ in solids]))
+    return traces, {name: part for name, part in layout.items() if name != "updatemenus"}
 
 
 @dataclass(frozen=True)

@@ -82,6 +82,7 @@ def cad(
     from crankbase.outputs import write_user_file
     from crankfem.analyses.record import with_units
     from crankfem.jobs.outputs import check_outputs, check_writable, make_output_folder
+    from crankfem.satellites.cad.dimensions import dimensions_text
     from crankfem.satellites.cad.new_engine import engine_text
     from crankfem.satellites.cad.run import run_cad
 
@@ -112,11 +113,15 @@ def cad(
             free=free_modes,
             on_step=progress.step,
         )
+        dimensions: dict[int, str] = {}
+        for number, analysis in run.analyses.items() if written is not None else ():
+            progress.step(f"Looking for dimensions of throw {number}")
+            dimensions[number] = dimensions_text(analysis, accuracy)
         progress.finish()
     files = [f"Throws: {throws} ({len(run.files)} files)"] if folder is not None else []
     made = {}
     if written is not None:
-        write_user_file(written, engine_text(run, written).encode())
+        write_user_file(written, engine_text(run, written, dimensions).encode())
         made = {"engine": engine}
         files.append(f"Engine file: {engine}; next: crankfem check {engine}")
     if out.json:

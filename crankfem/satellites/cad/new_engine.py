@@ -3,7 +3,7 @@
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -38,7 +38,7 @@ STEEL_TEXT = (
 ALIKE = 0.01
 
 
-def engine_text(run: CadRun, path: Path, dimensions: Sequence[str] = ()) -> str:
+def engine_text(run: CadRun, path: Path, dimensions: Mapping[int, str] | None = None) -> str:
     """Return the text of an engine file for a crankshaft, which runs unchanged.
 
     Parameters
@@ -47,8 +47,8 @@ def engine_text(run: CadRun, path: Path, dimensions: Sequence[str] = ()) -> str:
         With the throws' files kept.
     path : Path
         Of the engine file; those of the throws are named as seen from its folder.
-    dimensions : sequence of str
-        For each kind of throw, in their order, its dimensions; "" for none.
+    dimensions : mapping of int to str, optional
+        Number of the first throw of a kind to its dimensions, "" for none.
     """
     shaft, source = run.shaft, Path(run.file).name
     cranks = [round(pin.angle_deg, 6) for pin in sorted(shaft.pins, key=lambda pin: pin.start)]
@@ -142,25 +142,26 @@ def _tops(cranks_deg: Sequence[float], sense: int) -> list[float]:
 
 
 def _shaft(
-    run: CadRun, path: Path, source: str, dimensions: Sequence[str], several_pins: bool
+    run: CadRun, path: Path, source: str, dimensions: Mapping[int, str] | None, several_pins: bool
 ) -> str:
     """Write the throws, how they follow each other, the ends and the material."""
     kinds = list(dict.fromkeys(throw.file for throw in run.throws))
     names = [chr(ord("a") + number) for number in range(len(kinds))]
     lines = ["# ---- The crankshaft ".ljust(110, "-"), ""]
-    for number, (file, name) in enumerate(zip(kinds, names, strict=True)):
+    for file, name in zip(kinds, names, strict=True):
         throw = next(each for each in run.throws if each.file == file)
         assert file is not None
         lines += [
             f"# {throw.mass:.5g} kg, {throw.inertia_about_shaft:.5g} kg m^2 about the shaft.",
             "[throw]" if len(kinds) == 1 else f"[throws.{name}]",
             f'file = "{Path(os.path.relpath(file, path.parent.resolve())).as_posix()}"',
-            *(
-                f"#: {line}"
-                for line in filter(None, "".join(dimensions[number : number + 1]).split("\n"))
-            ),
-            "",
         ]
+        if text := (dimensions or {}).get(throw.number):
+            lines.append(
+                "# In place of file, within 1 % of its e_n, torsional compliance and mass:"
+            )
+            lines += [f"#: {line}" for line in text.split("\n")]
+        lines.append("")
     layout = []
     if len(kinds) > 1:
         of_each = ", ".join(f'"{names[kinds.index(throw.file)]}"' for throw in run.throws)

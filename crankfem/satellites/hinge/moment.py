@@ -12,7 +12,7 @@ from crankbase.array_checks import (
     positive_number,
     read_only,
 )
-from crankbase.choices import whole_number
+from crankbase.choices import so_many, whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
@@ -211,7 +211,7 @@ def hinge_moment(
     gas = finite_vector("gas_force", force(angles))
     if gas.shape != angles.shape:
         raise InputError(
-            f"gas_force: given {gas.size} values for {angles.size} angles; allowed is one for each, "
+            f"gas_force: given {so_many(gas.size)} for {angles.size} angles; allowed is one for each, "
             "because the force is a function of the angle."
         )
     reduced = reduced_crank(engine, kinematics, angles_deg=np.degrees(angles))

@@ -99,7 +99,7 @@ def _levels(samples: Array) -> tuple[Array, Array]:
     from scipy.ndimage import median_filter
 
     count = min(BLOCKS_OF_LEVEL, starts.size)
-    top, bottom = (median_filter(ends, count, mode="nearest") for ends in (top, bottom))
+    top, bottom = (median_filter(ends, count, mode="mirror") for ends in (top, bottom))
     at, middles = np.arange(samples.size), starts + 0.5 * size
     return (
         np.interp(at, middles, 0.5 * (top + bottom)),

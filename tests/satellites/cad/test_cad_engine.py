@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -13,16 +14,21 @@ from crankfem.analyses.file_check import check_file
 from crankfem.analyses.mechanism.engine_balance import engine_balance
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.whole_records import shaft_balance
+from crankfem.analyses.throw.pictures.solid_picture import FIRST_THROW, shaft_surface
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_text import toml_text
+from crankfem.report.interactive.throw_view import shaft_figure
+from crankfem.satellites.cad.dimensions import dimensions_text
 from crankfem.satellites.cad.new_engine import engine_text
 from crankfem.satellites.cad.run import run_cad
 from fem.analysis import analyze_throw
 from geometry.crankshaft import throw_masses
+from geometry.imported import import_throw
 from geometry.solid_files import write_step
+from geometry.throw_dimensions import Counterweight
 
 pytestmark = pytest.mark.slow
 NAME = "6chn25-34"
@@ -219,3 +225,51 @@ def test_a_filled_in_file_vibrates_as_the_engine_does(round_trip):
     assert balances[0].inertia_about_shaft == close(balances[1].inertia_about_shaft, rel=1e-5)
     scale = shipped.throw.crank_radius * balances[1].mass
     assert balances[0].unbalance.static == close(balances[1].unbalance.static, abs=1e-5 * scale)
+
+
+def test_the_report_shows_the_throws_in_colors(engine):
+    shaft = engine.crankshaft
+    analysis = analyze_throw(engine.throw, engine.material, accuracy=0.05)
+    traces, layout = shaft_figure(shaft, [analysis] * len(shaft.throws))
+    throws, cuts = traces[:-1], traces[-1]
+    assert [trace["name"] for trace in throws] == [f"throw {n}" for n in range(1, 7)]
+    assert all(one["color"] != next_["color"] for one, next_ in pairwise(throws))
+    for trace, start, end in zip(throws, shaft.starts, shaft.starts[1:], strict=False):
+        assert (min(trace["z"]), max(trace["z"])) == close((1e3 * start, 1e3 * end), abs=0.1)
+    # Cranks 1 and 6 point up, the others do not.
+    up = [max(trace["y"]) for trace in throws]
+    assert up[0] == close(up[5], rel=1e-6)
+    assert up[0] > 1.2 * max(up[1:5])
+    assert sorted({z for z in cuts["z"] if z is not None}) == close(1e3 * shaft.starts, abs=0.1)
+    assert layout["scene"]["camera"]["projection"] == {"type": "orthographic"}
+
+
+def test_a_picture_tells_throws_apart(engine):
+    shaft = engine.crankshaft
+    plain, colored = (shaft_surface(shaft, 1, colored) for colored in (False, True))
+    assert set(colored.kinds.tolist()) == set(range(FIRST_THROW, FIRST_THROW + 6))
+    assert max(plain.kinds) < FIRST_THROW
+
+
+@pytest.mark.parametrize(
+    ("changes", "described"),
+    [
+        ({}, True),
+        ({"counterweight": Counterweight(outer_radius=0.1, angle=2.2)}, True),
+        ({"web_tip_thickness": 0.012, "web_foot_thickness": 0.02}, False),  # not looked for
+    ],
+)
+def test_dimensions_are_written_where_they_describe_a_throw(changes, described, tmp_path):
+    shipped, material = load_throw("yamz-5340")
+    throw = shipped.changed(**changes)
+    part = import_throw(write_step(throw, tmp_path / "throw.step"))
+    text = dimensions_text(analyze_throw(part, material, accuracy=0.02), 0.02)
+    assert (text != "") == described
+    if described:
+        path = tmp_path / "dimensions.toml"
+        path.write_text(f"[throw]\n{text}\n", encoding="utf-8")
+        again, _ = load_throw(path)
+        assert again.web_width == close(throw.web_width, rel=1e-3)
+        assert again.volume == close(throw.volume, rel=1e-3)
+        if throw.counterweight is not None:
+            assert again.counterweight.angle == close(throw.counterweight.angle, rel=0.02)

@@ -5,6 +5,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.satellites.measured.measurement import load
 from crankfem.satellites.measured.records.reading import iter_pieces, read_record
 from satellites.measured.written_records import hdf5, mat73, mdf, parquet, tdms, uff
 
@@ -13,35 +14,34 @@ TIMES = np.arange(5000) / RATE
 WHEEL = np.sin(2.0 * np.pi * 730.0 * TIMES) + 0.1 * np.cos(91.0 * TIMES)
 
 
-def text(path):
-    np.savetxt(path, np.c_[TIMES, WHEEL], delimiter=",", header="t [s],wheel [V]", comments="")
+def text(path, times, wheel):
+    np.savetxt(path, np.c_[times, wheel], delimiter=",", header="t [s],wheel [V]", comments="")
     return path
 
 
-def mat5(path):
+def mat5(path, times, wheel):
     from scipy.io import savemat
 
-    savemat(path, {"t": TIMES, "wheel": WHEEL, "wheel_unit": "V"})
+    savemat(path, {"t": times, "wheel": wheel, "wheel_unit": "V"})
     return path
 
 
 FORMATS = {
     "csv": text,
-    "tdms": lambda path: tdms(
-        path,
-        {("g", "wheel"): (WHEEL, {"wf_increment": 1.0 / RATE, "unit_string": "V"})},
+    "tdms": lambda path, times, wheel: tdms(
+        path, {("g", "wheel"): (wheel, {"wf_increment": times[1], "unit_string": "V"})}
     ),
-    "mf4": lambda path: mdf(path, ([("wheel", "V", WHEEL)], TIMES, ("t", 1), "g")),
-    "uff": lambda path: uff(path, ("wheel", "V", TIMES, WHEEL, {"binary": 1})),
+    "mf4": lambda path, times, wheel: mdf(path, ([("wheel", "V", wheel)], times, ("t", 1), "g")),
+    "uff": lambda path, times, wheel: uff(path, ("wheel", "V", times, wheel, {"binary": 1})),
     "mat": mat5,
-    "h5": lambda path: hdf5(path, {"wheel": (WHEEL, {"unit": "V", "fs": RATE})}),
-    "parquet": lambda path: parquet(path, {"t": TIMES, "wheel": WHEEL}, {"t": "s", "wheel": "V"}),
+    "h5": lambda path, times, wheel: hdf5(path, {"wheel": (wheel, {"unit": "V", "dt": times[1]})}),
+    "parquet": lambda path, times, wheel: parquet(path, {"t_s": times, "wheel_V": wheel}),
 }
 
 
 @pytest.mark.parametrize("kind", [*FORMATS])
 def test_the_same_record_in_each_format(tmp_path, kind):
-    path = FORMATS[kind](tmp_path / f"record.{kind}")
+    path = FORMATS[kind](tmp_path / f"record.{kind}", TIMES, WHEEL)
     record = read_record(path, units={"time": "s"} if kind == "mat" else None)
     (wheel,) = record.channels
     assert (wheel.name, wheel.unit, wheel.axis) == ("wheel", "V", "time")
@@ -51,6 +51,27 @@ def test_the_same_record_in_each_format(tmp_path, kind):
     assert [values.size for _, values in pieces] == 5 * [999] + [5]
     assert np.array_equal(np.concatenate([values for _, values in pieces]), wheel.si())
     assert np.array_equal(np.concatenate([places for places, _ in pieces]), wheel.abscissa())
+
+
+@pytest.mark.slow
+def test_orders_are_the_same_from_each_format(tmp_path):
+    """Of a 60-2 wheel with 0.2 degrees of order 3; UFF text alone has fewer digits."""
+    times = np.arange(30000) / RATE
+    rigid = 2.0 * np.pi * 25.0 * times
+    turned = rigid + np.radians(0.2) * np.cos(3.0 * rigid + 0.5)
+    passed = np.mod(turned / (2.0 * np.pi), 1.0) < 58.0 / 60.0
+    wheel = np.where(passed, np.sin(60.0 * turned), 0.0)
+    found = {}
+    for kind, write in FORMATS.items():
+        path = write(tmp_path / f"record.{kind}", times, wheel)
+        measured = load(path, teeth="60-2", units={"time": "s"} if kind == "mat" else None)
+        found[kind] = measured.orders([0.5, 3.0]).amplitude
+    path = uff(tmp_path / "text.uff", ("wheel", "V", times, wheel, {}))
+    in_text = load(path, teeth="60-2").orders([0.5, 3.0]).amplitude
+    assert np.abs(found["csv"][:, 1]) == close(np.radians(0.2), rel=0.02)
+    for amplitude in found.values():
+        assert np.max(np.abs(amplitude - found["csv"])) < 1e-9 * np.radians(0.2)
+    assert np.max(np.abs(in_text - found["csv"])) < 1e-8 * np.radians(0.2)
 
 
 def test_in_uff_text_values_have_the_digits_of_double_precision(tmp_path):
@@ -169,3 +190,19 @@ def test_a_number_that_is_none_is_told_when_it_is_read(tmp_path):
     )
     with pytest.raises(InputError, match="wheel: sample 42 is no finite number"):
         record.channel("wheel").si()
+
+
+def test_a_scale_beside_the_numbers_is_told(tmp_path):
+    tree = {"M": (WHEEL, {"unit": "N m", "fs": RATE, "scale_factor": 2.0, "label": "Torque"})}
+    record = read_record(hdf5(tmp_path / "record.h5", tree))
+    assert record.notes == ("M: has a scale or offset, which is not applied.",)
+    assert record.channel("M").si_unit == "N m"
+
+
+def test_damage_that_is_found_on_the_way_is_told(tmp_path):
+    tree = {"wheel": (np.random.default_rng(1).normal(size=5000), {"unit": "V", "fs": RATE})}
+    path = hdf5(tmp_path / "record.h5", tree)
+    wheel = read_record(path).channel("wheel")
+    path.write_bytes(path.read_bytes()[:4000])
+    with pytest.raises(InputError, match="cannot be read"):
+        wheel.si()

@@ -176,6 +176,8 @@ def test_angles_in_radians_that_are_labeled_degrees(tmp_path):
         ("t [s],a\n0,1\n1,x\n2,3\n", r'line 3: a: given "x"; allowed are finite numbers'),
         ("t [s],a\n0,1\n2,1\n1,3\n", r"given 1 s after 2 s in sample 3"),
         ("t [s],a\n", "has no numbers"),
+        (b"\xff\xfet\x00", "is text in UTF-16; save it as UTF-8"),
+        (b"PK\x03\x04", "is a packed file, such as one of a spreadsheet"),
     ],
 )
 def test_what_is_wrong_is_told(tmp_path, content, told):
@@ -232,3 +234,31 @@ def test_a_heading_that_is_repeated_is_numbered(tmp_path):
     record = read_record(written(tmp_path, table("t_s,p,p", WHEEL + 0.2, WHEEL, 2.0 * WHEEL)))
     assert [each.name for each in record.channels] == ["p", "p #2"]
     assert record.channel("p #2").values[0] == 2.0 * WHEEL[0]
+
+
+def test_columns_of_pulse_times_need_not_have_one_length(tmp_path):
+    record = read_record(
+        written(tmp_path, "pulse_time_a_s;pulse_time_b_s\n0.1001;0.2001\n0.3001;\n0.5001;\n")
+    )
+    assert [each.values.tolist() for each in record.channels] == [
+        [0.1001, 0.3001, 0.5001],
+        [0.2001],
+    ]
+
+
+def test_text_behind_the_beginning_may_be_in_another_encoding(tmp_path, monkeypatch):
+    monkeypatch.setattr(text, "HEAD", 64)
+    monkeypatch.setattr(text, "TAIL", 64)
+    content = table("t [s],a", WHEEL + 0.2, WHEEL) + "# Prüfstand\n"
+    (channel,) = read_record(written(tmp_path, content.encode("cp1252"))).channels
+    assert len(channel) == 40
+
+
+def test_each_channel_is_over_the_time_before_it(tmp_path):
+    """As oscilloscopes write channels of several rates side by side."""
+    record = read_record(
+        written(tmp_path, "time 1 [s],a,time 2 [s],b\n0,1,0.5,5\n1,2,2.5,6\n2,3,4.5,7\n3,4,,\n")
+    )
+    assert record.channel("a").abscissa().tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert record.channel("b").abscissa().tolist() == [0.5, 2.5, 4.5]
+    assert "Each channel is over the column of time before it, of 2." in record.notes

@@ -25,7 +25,9 @@ from geometry.solid import BORE, COUNTERWEIGHT, FILLET, LEFT_END, RIGHT_END, WEB
 Numbers = Integers
 
 # Kinds of surfaces that a picture tells apart.
-MACHINED, FORGED, FILLETS, BORES, ENDS = range(5)
+MACHINED, FORGED, FILLETS, BORES, ENDS, FIRST_THROW = range(6)
+# Of throws that are told apart, neighbors differ.
+THROW_COLORS = ("#8fb4d9", "#e8b878", "#9cc79a", "#d99a94", "#b7a6d6", "#b9b48a")
 KINDS = {
     WEB: FORGED,
     COUNTERWEIGHT: FORGED,
@@ -100,13 +102,15 @@ def throw_surface(throw: Throw, fineness: int) -> SolidSurface:
     )
 
 
-def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
+def shaft_surface(shaft: Crankshaft, fineness: int, colored: bool = False) -> SolidSurface:
     """Surface of a crankshaft: its throws at their angles, free end and flange.
 
     Parameters
     ----------
     fineness : int
         As for `throw_surface`.
+    colored : bool
+        Whether each throw is of a kind of its own.
 
     Raises
     ------
@@ -120,9 +124,16 @@ def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
             shaft.throws, np.radians(shaft.crank_angles_deg), shaft.starts[:-1], strict=True
         )
     ]
+    if colored:
+        row = [
+            replace(
+                throw, kinds=np.full_like(throw.kinds, FIRST_THROW + number % len(THROW_COLORS))
+            )
+            for number, throw in enumerate(row)
+        ]
     inside = enumerate(shaft.starts[1:-1].tolist())
     throws = _joined(row).without_ends([z for n, z in inside if shaft.bore_step(n) is None])
-    return _joined([throws, *(_cylinder(*cylinder) for cylinder in shaft.end_cylinders)])
+    return _joined([throws, *(cylinder_surface(*cylinder) for cylinder in shaft.end_cylinders)])
 
 
 def _subdivision(count: int) -> tuple[Array, Numbers]:
@@ -155,7 +166,7 @@ def _subdivision(count: int) -> tuple[Array, Numbers]:
     return np.column_stack([*at_corners, *on_edges]), np.array(pieces)
 
 
-def _cylinder(diameter: float, low: float, high: float) -> SolidSurface:
+def cylinder_surface(diameter: float, low: float, high: float) -> SolidSurface:
     """Surface of a cylinder about the shaft's axis."""
     angles = np.linspace(0.0, 2.0 * np.pi, CYLINDER_SIDES, endpoint=False)
     circle = 0.5 * diameter * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -188,7 +199,8 @@ def _joined(surfaces: Sequence[SolidSurface]) -> SolidSurface:
 
 ENDING = ".png"
 PICTURE = "picture.png"  # in the scratch folder
-COLORS = np.zeros((5, 3), dtype=np.uint8)
+COLORS = np.zeros((FIRST_THROW + len(THROW_COLORS), 3), dtype=np.uint8)
+COLORS[FIRST_THROW:] = [list(bytes.fromhex(color[1:])) for color in THROW_COLORS]
 COLORS[[MACHINED, ENDS]] = (208, 215, 222)
 COLORS[FILLETS] = (196, 203, 211)
 COLORS[FORGED] = (186, 195, 204)
@@ -231,13 +243,15 @@ def picture_throw(throw: Throw, path: str | Path) -> Path:
     return _write(throw_surface(throw, fineness=4), THROW_VIEW, THROW_PIXELS, path)
 
 
-def picture_shaft(shaft: Crankshaft, path: str | Path) -> Path:
+def picture_shaft(shaft: Crankshaft, path: str | Path, *, colored: bool = False) -> Path:
     """Write a picture of a whole crankshaft.
 
     Parameters
     ----------
     path : path
         A file ending in ``.png``.
+    colored : bool, optional
+        Whether each throw has a color of its own.
 
     Returns
     -------
@@ -251,7 +265,7 @@ def picture_shaft(shaft: Crankshaft, path: str | Path) -> Path:
     """
     path = Path(path)
     check_picture_ending(path)
-    return _write(shaft_surface(shaft, fineness=2), SHAFT_VIEW, SHAFT_PIXELS, path)
+    return _write(shaft_surface(shaft, 2, colored), SHAFT_VIEW, SHAFT_PIXELS, path)
 
 
 def check_picture_ending(path: Path) -> None:

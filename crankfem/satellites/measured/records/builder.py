@@ -1,14 +1,15 @@
 """Making a record: columns of a file become channels over their own times or crank angles."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
 
-from crankbase.errors import InputError, quoted
+from crankbase.array_checks import Array
+from crankbase.errors import InputError, quoted, shortened
 from crankbase.exported_table import NO_UNIT
 from crankbase.units import size_in
 from crankfem.satellites.measured.records.places import (
@@ -44,7 +45,6 @@ class RecordReading:
     columns: Mapping[str, int | str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     rate: float | None = None
-    sheet: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,13 +118,27 @@ class RecordBuilder:
         places = {id(each): self.places(each) for each in axes}
         # Evenly sampled over one of time and angle, the other one is a channel.
         chosen = next((each for each in axes if places[id(each)].even), axes[0] if axes else None)
-        for each in series:
-            if chosen is None:
+        if chosen is None:
+            for each in series:
                 self._add_without_places(group, each)
-            elif each is not chosen:
-                self.add_over(group, each, places[id(chosen)])
+            return
+        kind = places[id(chosen)].kind
+        alike = [id(each) for each in axes if places[id(each)].kind == kind]
+        if len(alike) > 1:
+            self.notes.append(
+                f"Each channel is over the column of {kind} before it, of {len(alike)}."
+            )
+        over = alike[0]
+        for each in series:
+            if id(each) in alike:
+                over = id(each)
+            else:
+                self.add_over(group, each, places[over])
 
     def _add_without_places(self, group: str, series: Series) -> None:
+        if series.gaps:
+            numbers = series.column.whole
+            series = replace(series, column=Column.of(numbers[np.isfinite(numbers)]))
         channel = self._channel(group, series)
         if channel.si_unit == "s" and EVENTS.search(channel.name):
             self._check_digits(channel.name, channel.unit, channel.column, series.error)
@@ -227,7 +241,8 @@ class RecordBuilder:
             self.notes.append(f"{name}: its unit {quoted(written)} is unknown.")
         if reference == "gauge":
             self.notes.append(f"{name}: is a pressure above the atmosphere, by its unit {written}.")
-        return Channel(name, group, unit, series.column, reference=reference)
+        column = Column(series.column.count, partial(_pieces, self.path, series.column))
+        return Channel(name, group, unit, column, reference=reference)
 
     def _check_digits(self, name: str, unit: str, column: Column, error: float) -> None:
         """Refuse uneven places that go back or have too few digits; of very long ones it is not looked at."""
@@ -238,6 +253,16 @@ class RecordBuilder:
         if too_few:
             raise InputError(f"{self.path}: {name}: {fault}.")
         self.notes += [f"{name}: {fault}."] if fault else []
+
+
+def _pieces(path: Path, column: Column, samples: int) -> Iterator[Array]:
+    """Read a column, and tell of damage that is found on the way; packages do so by errors of many kinds."""
+    try:
+        yield from column.read(samples)
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{path}: cannot be read ({shortened(str(error))}).") from None
 
 
 def _size(channel: Channel) -> float:

@@ -5,8 +5,9 @@ others, or above them, or start and rate among the numbers.
 """
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,23 +18,17 @@ from crankfem.satellites.measured.records.builder import RecordBuilder, RecordRe
 from crankfem.satellites.measured.records.record import Column, Record
 from crankfem.satellites.measured.records.units import axis_of, split_heading
 
-# Names of numbers that tell the rate of samples [1/s], their step and their start, in small letters.
-RATES = (
-    "fs",
-    "rate",
-    "samplerate",
-    "sample_rate",
-    "samplingrate",
-    "sampling_rate",
-    "samplefrequency",
-)
-STEPS = ("dt", "step", "increment", "dx", "sampleinterval", "sample_interval", "wf_increment")
-STARTS = ("t0", "start", "start_value", "x0", "offset", "wf_start_offset")
+# Names of numbers that tell the rate of samples [1/s], their step [s] and their start [s], in small letters
+# and without "_"; and of those that would change the samples.
+RATES = ("fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency")
+STEPS = ("dt", "step", "increment", "dx", "sampleinterval", "wfincrement")
+STARTS = ("t0", "start", "startvalue", "wfstartoffset")
+SCALES = ("scale", "scalefactor", "gain", "factor", "addoffset")
 # Structures beside the one with the values that tell of their places.
 AXES = ("x_values", "xvalues", "abscissa", "axis")
-UNITS = ("unit", "units", "unit_string", "y_unit", "label")
+UNITS = ("unit", "units", "unitstring", "yunit")
 # Names that say nothing of what is measured: the structure has the name.
-PLAIN = ("values", "value", "data", "y", "samples", "y_values")
+PLAIN = ("values", "value", "data", "y", "samples", "y_values", "yvalues")
 # More columns than so many are no channels.
 MOST_COLUMNS = 256
 
@@ -49,7 +44,7 @@ class Structure:
     vectors : list of Series
         By name.
     numbers, texts : mapping of str
-        In small letters.
+        Their names in small letters and without "_".
     parts : list of Structure
         In it.
     """
@@ -59,6 +54,10 @@ class Structure:
     numbers: dict[str, float] = field(default_factory=dict)
     texts: dict[str, str] = field(default_factory=dict)
     parts: "list[Structure]" = field(default_factory=list)
+
+
+def _key(name: str) -> str:
+    return name.casefold().replace("_", "")
 
 
 def read_mat5(path: Path, reading: RecordReading) -> Record:
@@ -78,7 +77,7 @@ def read_mat5(path: Path, reading: RecordReading) -> Record:
 def _add(structure: Structure, name: str, value: Any) -> None:
     """Add a variable of Matlab to a structure."""
     if isinstance(value, str):
-        structure.texts[name.casefold()] = value
+        structure.texts[_key(name)] = value
     elif isinstance(value, Mapping):
         part = Structure((*structure.path, name))
         for inner, content in value.items():
@@ -88,31 +87,29 @@ def _add(structure: Structure, name: str, value: Any) -> None:
         for place, content in enumerate(np.ravel(np.asarray(value, dtype=object)), start=1):
             _add(structure, f"{name}({place})", content)
     elif np.size(value) == 1 and np.asarray(value).dtype.kind in "iufb":
-        structure.numbers[name.casefold()] = float(np.asarray(value).ravel()[0])
+        structure.numbers[_key(name)] = float(np.asarray(value).ravel()[0])
     elif np.asarray(value).dtype.kind in "iufb":
-        structure.vectors.extend(_columns_of(name, np.squeeze(value), "", None))
+        array = np.squeeze(value)
+        structure.vectors.extend(_columns_of(name, array, "", partial(nullcontext, array)))
 
 
-def _columns_of(name: str, values: Any, unit: str, read: Any) -> Iterator[Series]:
+def _columns_of(name: str, values: Any, unit: str, opened: Any) -> Iterator[Series]:
     """Return an array of one or two dimensions as columns; the longer dimension is that of samples.
 
-    `read`, if given, opens the array in its file; else it is in memory.
+    `opened` returns a context of the array, perhaps in its file.
     """
     shape = [size for size in values.shape if size != 1]
     if not 1 <= len(shape) <= 2 or min(shape[1:], default=1) > MOST_COLUMNS < shape[0]:
         return
-    error = _single_error(values)
-    long = int(np.argmax(values.shape))
+    error, long = _single_error(values), int(np.argmax(values.shape))
     for place in range(1 if len(shape) == 1 else min(shape)):
-        heading = name if len(shape) == 1 else f"{name}({place + 1})"
 
         def at(array: Any, rows: slice, place: int = place) -> Any:
             parts = [place if size in shape else 0 for size in array.shape]
             return array[tuple(rows if axis == long else part for axis, part in enumerate(parts))]
 
-        in_memory = read is None
-        column = Column.of(at(values, slice(None))) if in_memory else _stored(max(shape), read, at)
-        yield Series(heading, unit, column, error)
+        heading = name if len(shape) == 1 else f"{name}({place + 1})"
+        yield Series(heading, unit, _stored(max(shape), opened, at), error)
 
 
 def _single_error(values: Any) -> float:
@@ -123,9 +120,9 @@ def _single_error(values: Any) -> float:
     return float(np.abs(last)) * float(np.finfo(np.float32).eps) / 2.0
 
 
-def _stored(count: int, read: Any, at: Any) -> Column:
+def _stored(count: int, opened: Any, at: Any) -> Column:
     def pieces(samples: int) -> Iterator[Array]:
-        with read() as array:
+        with opened() as array:
             for first in range(0, count, samples):
                 yield np.asarray(at(array, slice(first, first + samples)), dtype=np.float64)
 
@@ -152,9 +149,9 @@ def _add_attributes(structure: Structure, attributes: Mapping[str, Any]) -> None
     for name, value in attributes.items():
         if isinstance(value, bytes | str):
             text = value.decode(errors="replace") if isinstance(value, bytes) else value
-            structure.texts[name.casefold()] = text
+            structure.texts[_key(name)] = text
         elif np.size(value) == 1 and np.asarray(value).dtype.kind in "iuf":
-            structure.numbers[name.casefold()] = float(np.ravel(value)[0])
+            structure.numbers[_key(name)] = float(np.ravel(value)[0])
 
 
 def _add_item(structure: Structure, path: Path, name: str, item: Any) -> None:
@@ -169,17 +166,14 @@ def _add_item(structure: Structure, path: Path, name: str, item: Any) -> None:
             _add_item(part, path, inner, content)
         structure.parts.append(part)
     elif kind == b"char":
-        structure.texts[name.casefold()] = "".join(map(chr, np.ravel(item[()], order="F")))
+        structure.texts[_key(name)] = "".join(map(chr, np.ravel(item[()], order="F")))
     elif h5py.check_ref_dtype(item.dtype) is not None:
         for place, reference in enumerate(np.ravel(item[()]), start=1):
             if reference:
                 _add_item(structure, path, f"{name}({place})", item.file[reference])
     elif h5py.check_string_dtype(item.dtype) is not None:
         if item.size == 1:
-            text = np.ravel(item[()])[0]
-            structure.texts[name.casefold()] = (
-                text.decode(errors="replace") if isinstance(text, bytes) else str(text)
-            )
+            structure.texts[_key(name)] = str(np.ravel(item.asstr()[()])[0])
     elif item.dtype.names:
         for inner in item.dtype.names:
             if item.dtype[inner].kind in "iufb" and item.ndim == 1:
@@ -188,13 +182,13 @@ def _add_item(structure: Structure, path: Path, name: str, item: Any) -> None:
                 )  # fmt: skip
                 structure.vectors.append(Series(inner, "", column))
     elif item.dtype.kind in "iufb" and item.size == 1:
-        structure.numbers[name.casefold()] = float(np.ravel(item[()])[0])
+        structure.numbers[_key(name)] = float(np.ravel(item[()])[0])
     elif item.dtype.kind in "iufb" and not item.attrs.get("MATLAB_empty", 0):
         part = Structure((*structure.path, name))
         _add_attributes(part, item.attrs)
         unit = next((part.texts[key] for key in UNITS if key in part.texts), "")
         columns = [*_columns_of(name, item, unit, _opened(path, item.name))]
-        if part.numbers.keys() & {*RATES, *STEPS}:
+        if part.numbers.keys() & {*RATES, *STEPS, *SCALES}:
             part.vectors.extend(columns)
             structure.parts.append(part)
         else:
@@ -229,6 +223,10 @@ def _collect(
     path = structure.path
     if vectors and structure.vectors[0].heading.casefold() in PLAIN:
         path = path[:-1]
+    if vectors and structure.numbers.keys() & {*SCALES}:
+        builder.notes.append(
+            f"{'.'.join(structure.path)}: has a scale or offset, which is not applied."
+        )
     rate = next((numbers[key] for key in RATES if key in numbers), 0.0)
     step = next((numbers[key] for key in STEPS if key in numbers), 1.0 / rate if rate else 0.0)
     start = next((numbers[key] for key in STARTS if key in numbers), 0.0)
@@ -250,19 +248,14 @@ def _collect(
 
 def _titled(structure: Structure, each: Series) -> Series:
     """Return a vector with the name of its structure if its own says nothing, and with its unit."""
-    name = each.heading
-    texts = structure.texts | {
-        key: text
-        for part in structure.parts
-        if part.path[-1].casefold() in ("quantity", "units")
-        for key, text in part.texts.items()
-    }
-    keys = (f"{name}_unit".casefold(), f"{name}_units".casefold(), name.casefold())
-    plain = name.casefold() in PLAIN and structure.path
-    unit = each.unit or next(
-        (texts[key] for key in (*keys, *(UNITS if plain else ())) if key in texts), ""
-    )
-    if plain:
+    name, texts = each.heading, dict(structure.texts)
+    for part in structure.parts:
+        if _key(part.path[-1]) in ("quantity", "units"):
+            texts |= part.texts | {"unit": part.texts.get("label", "")}
+    keys = [f"{_key(name)}unit", f"{_key(name)}units", _key(name)]
+    if name.casefold() in PLAIN and structure.path:
+        keys += UNITS
         named = [part for part in structure.path if part.casefold() not in PLAIN]
         name = structure.texts.get("name", named[-1] if named else name)
-    return Series(name, unit, each.column, each.error, each.gaps)
+    unit = each.unit or next((texts[key] for key in keys if key in texts), "")
+    return replace(each, heading=name, unit=unit)

@@ -32,7 +32,6 @@ def read_record(
     columns: Mapping[str, int | str] | None = None,
     units: Mapping[str, str] | None = None,
     rate: float | None = None,
-    sheet: str = "",
 ) -> Record:
     """Read a record that an instrument wrote.
 
@@ -45,8 +44,6 @@ def read_record(
         Units of channels, times and angles by name, in place of those in the file.
     rate : float, optional
         Samples in a second [1/s], where the file has no time, or too few digits of it.
-    sheet : str, optional
-        Of a spreadsheet.
 
     Returns
     -------
@@ -66,7 +63,7 @@ def read_record(
         raise InputError(f"{path}: {what}; allowed is the path of a record.")
     if rate is not None:
         positive_number("rate", rate, "1/s", "it is a number of samples in a second")
-    reading = RecordReading(columns or {}, units or {}, rate, sheet)
+    reading = RecordReading(columns or {}, units or {}, rate)
     with file.open("rb") as opened:
         head = opened.read(1024)
     for first, (name, package, function) in FORMATS.items():
@@ -74,7 +71,7 @@ def read_record(
             record = _read(_reader(file, name, package, function), file, name, reading)
             break
     else:
-        record = read_text(file, reading)
+        record = _read(read_text, file, "text", reading)
     if not record.channels:
         raise InputError(f"{path}: holds no channels of numbers; allowed is a record with some.")
     return record

@@ -16,14 +16,14 @@ from crankbase.exported_table import (
     COMMENTS,
     PACKED,
     ExportedTable,
-    decoded,
     number,
     read_exported_table,
     split_line,
 )
-from crankbase.input_file import UTF_16, InputFile
+from crankbase.input_file import UTF_16, InputFile, wrong_kind
 from crankfem.satellites.measured.records.builder import RecordBuilder, RecordReading, Series
 from crankfem.satellites.measured.records.record import Column, Record
+from crankfem.satellites.measured.records.units import split_heading
 
 # Bytes that tell how a file is written, and those of its end that tell digits.
 HEAD, TAIL = 262_144, 65_536
@@ -37,7 +37,7 @@ NO_NUMBER = ("nan", "-", "--", "n/a")
 
 
 def read_text(path: Path, reading: RecordReading) -> Record:
-    """Read a record in text, or in a spreadsheet.
+    """Read a record in text.
 
     Raises
     ------
@@ -46,25 +46,16 @@ def read_text(path: Path, reading: RecordReading) -> Record:
     """
     with path.open("rb") as file:
         head = file.read(HEAD)
-    size = path.stat().st_size
     if head.startswith((PACKED, *UTF_16)):
-        table = read_exported_table(InputFile(path), "record", reading.sheet)
-        columns = [Column.of(table.numbers(place)) for place in range(table.columns)]
-        wrong = [
-            line
-            for place in range(table.columns)
-            for line in table.wrong_cells(place, f"column {place + 1}")
-        ]
-        if wrong:
-            raise InputError("\n".join(wrong))
-        tail = table.cells
-    else:
-        cut = head if size <= HEAD else head[: head.rfind(b"\n") + 1]
-        table = read_exported_table(InputFile(path, cut), "record")
-        tail = table.cells if size <= HEAD else _last_cells(path, table)
-        columns = _columns(path, table, size) if table.cells else []
+        raise InputError(f"{path}: {wrong_kind(head)}; allowed is a record, such as CSV in UTF-8.")
+    size = path.stat().st_size
+    cut = head if size <= HEAD else head[: head.rfind(b"\n") + 1]
+    table = read_exported_table(InputFile(path, cut), "record")
+    tail = table.cells if size <= HEAD else _last_cells(path, table)
     if not table.cells:
         raise InputError(f"{path}: has no numbers; allowed is a record with columns of numbers.")
+    lines = _Lines(path, table, missing_allowed=size <= MOST_IN_MEMORY)
+    columns = _columns(lines, size)
     errors = [
         max(_digit(table.cells[:ROWS], place, table), _digit(tail[-ROWS:], place, table)) / 2.0
         for place in range(table.columns)
@@ -96,18 +87,15 @@ def _named_places(path: Path, table: ExportedTable, reading: RecordReading) -> d
     InputError
         If one is not there.
     """
-    headings = [heading.casefold() for heading in table.headings]
-    places = {}
+    places, headings = {}, table.headings or ("",) * table.columns
     for name, column in reading.columns.items():
-        if isinstance(column, int):
-            fits = [column - 1] if 1 <= column <= table.columns else []
-        else:
-            word = column.strip().casefold()
-            fits = [
-                place
-                for place, heading in enumerate(headings)
-                if word in (heading, heading.partition("[")[0].strip())
-            ]
+        word = str(column).strip().casefold()
+        fits = [
+            place
+            for place, heading in enumerate(headings)
+            for names in [(str(place + 1), heading, split_heading(heading)[0])]
+            if word in map(str.casefold, names)
+        ]
         if len(fits) != 1:
             known = ", ".join(map(quoted, table.headings)) or f"1 to {table.columns}"
             raise InputError(
@@ -118,18 +106,18 @@ def _named_places(path: Path, table: ExportedTable, reading: RecordReading) -> d
     return places
 
 
-def _columns(path: Path, table: ExportedTable, size: int) -> list[Column]:
+def _columns(lines: "_Lines", size: int) -> list[Column]:
     """Return the columns of a text: in memory, or for reading in pieces if it is large."""
-    lines = _Lines(path, table, missing_allowed=size <= MOST_IN_MEMORY)
+    width = lines.table.columns
     if size <= MOST_IN_MEMORY:
-        rows = np.concatenate([*lines.blocks(), np.empty((0, table.columns))])
-        return [Column.of(rows[:, place]) for place in range(table.columns)]
+        rows = np.concatenate([*lines.blocks(), np.empty((0, width))])
+        return [Column.of(rows[:, place]) for place in range(width)]
     count = lines.count()
 
     def column(place: int) -> Column:
         return Column.of_blocks(count, lambda: (block[:, place] for block in lines.blocks()))
 
-    return [column(place) for place in range(table.columns)]
+    return [column(place) for place in range(width)]
 
 
 class _Lines:
@@ -137,8 +125,6 @@ class _Lines:
 
     def __init__(self, path: Path, table: ExportedTable, *, missing_allowed: bool) -> None:
         self.path, self.table, self.missing_allowed = path, table, missing_allowed
-        with path.open("rb") as file:
-            self.encoding = _encoding(path, file.read(HEAD))
 
     def count(self) -> int:
         """Count the lines of numbers, of which none is empty."""
@@ -151,7 +137,7 @@ class _Lines:
     def blocks(self) -> Iterator[Array]:
         """Read the numbers, shape (lines, columns), of some lines at a time."""
         first = self.table.lines[0]
-        with self.path.open(encoding=self.encoding) as file:
+        with self.path.open(encoding="utf-8-sig", errors="replace") as file:  # numbers are ASCII
             for _ in islice(file, first - 1):
                 pass
             while lines := list(islice(file, LINES)):
@@ -194,20 +180,11 @@ class _Lines:
         return [row]
 
 
-def _encoding(path: Path, head: bytes) -> str:
-    decoded(path, head[: head.rfind(b"\n") + 1] or head, "record")
-    try:
-        head[: head.rfind(b"\n") + 1].decode("utf-8")
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8-sig"
-
-
 def _last_cells(path: Path, table: ExportedTable) -> list[list[str]]:
     """Return the cells of the last lines."""
     with path.open("rb") as file:
         file.seek(-TAIL, os.SEEK_END)
-        lines = file.read().decode("cp1252", errors="replace").splitlines()[1:]
+        lines = file.read().decode(errors="replace").splitlines()[1:]
     rows = (split_line(line.strip(), table.separator) for line in lines if line.strip())
     return [[row[place] for place in table.places] for row in rows if len(row) > max(table.places)]
 
