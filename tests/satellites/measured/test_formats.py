@@ -206,3 +206,13 @@ def test_damage_that_is_found_on_the_way_is_told(tmp_path):
     path.write_bytes(path.read_bytes()[:4000])
     with pytest.raises(InputError, match="cannot be read"):
         wheel.si()
+
+
+def test_times_since_1970_are_even_within_double_precision(tmp_path):
+    path = parquet(tmp_path / "record.parquet", {"t_s": 1.7e9 + TIMES, "wheel_V": WHEEL})
+    record = read_record(path)
+    wheel = record.channel("wheel")
+    assert (wheel.start, wheel.rate) == (0.0, RATE)
+    assert np.max(np.abs(wheel.abscissa() - TIMES)) < 1e-15
+    assert record.notes[0] == "Times count from 1700000000 s of the file."
+    assert "errors up to 1.2e-07 s by their digits; 50000 samples a second" in record.notes[1]

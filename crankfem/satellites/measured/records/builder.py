@@ -34,6 +34,8 @@ from crankfem.satellites.measured.records.units import (
 
 # Longer columns are left in the file, and their angles are taken as they are.
 MOST_IN_MEMORY = 20_000_000
+# Later times [s] count from another zero than that of the file: those since 1970 are rounded to 0.2 us.
+LATEST_START = 1e6
 # So many samples of a level show one that has two values.
 LEVELS = 10_000
 
@@ -98,6 +100,7 @@ class RecordBuilder:
         self.path, self.kind, self.reading = path, kind, reading
         self.channels: list[Channel] = []
         self.notes: list[str] = []
+        self.origin = 0
 
     @property
     def record(self) -> Record:
@@ -216,13 +219,21 @@ class RecordBuilder:
         name, unit = split_heading(series.heading, series.unit)
         kind = kind or axis_of(name, unit)
         unit, column = read_unit(self._unit_of(name, kind, unit))[0], series.column
+        first = np.concatenate([next(column.read(1), np.zeros(1)), np.zeros(1)])[0]
+        error = max(series.error, float(np.spacing(abs(first))) / 2.0)
+        if kind == "time" and unit and abs(first) * size_in(unit, "s")[0] > LATEST_START:
+            self.origin = self.origin or math.floor(first * size_in(unit, "s")[0])
+            column = Column(
+                column.count, partial(_since, column, self.origin / size_in(unit, "s")[0])
+            )
+            self.notes.append(f"Times count from {self.origin} s of the file.")
         if kind == "angle" and column.count <= MOST_IN_MEMORY:
             angles = column.whole
             if self.reading.units.keys().isdisjoint((name, kind)):
-                unit, why = settled_unit(unit, angles[np.isfinite(angles)], series.error)
+                unit, why = settled_unit(unit, angles[np.isfinite(angles)], error)
                 self.notes += [f"{name}: {why}."] if why else []
             column = Column.of(continued(angles, unit))
-        return PlaceSeries(name, unit, kind, column, series.error, series.gaps)
+        return PlaceSeries(name, unit, kind, column, error, series.gaps)
 
     def _kind_of(self, series: Series) -> Axis:
         return axis_of(*split_heading(series.heading, series.unit))
@@ -263,6 +274,11 @@ def _pieces(path: Path, column: Column, samples: int) -> Iterator[Array]:
         raise
     except Exception as error:
         raise InputError(f"{path}: cannot be read ({shortened(str(error))}).") from None
+
+
+def _since(column: Column, origin: float, samples: int) -> Iterator[Array]:
+    """Read times from another zero."""
+    return (piece - origin for piece in column.read(samples))
 
 
 def _size(channel: Channel) -> float:

@@ -230,11 +230,11 @@ def _collect(
     rate = next((numbers[key] for key in RATES if key in numbers), 0.0)
     step = next((numbers[key] for key in STEPS if key in numbers), 1.0 / rate if rate else 0.0)
     start = next((numbers[key] for key in STARTS if key in numbers), 0.0)
-    own = [each for each in vectors if axis_of(*split_heading(each.heading, each.unit)) != "none"]
+    times = [each for each in vectors if axis_of(*split_heading(each.heading, each.unit)) != "none"]
     for count in sorted({each.column.count for each in vectors}):
         alike = [each for each in vectors if each.column.count == count]
         shared = [each for each in axes if each.column.count == count][:1]
-        if any(each in own for each in alike):
+        if any(each in times for each in alike):
             shared = []
         elif not shared and step > 0.0:
             for each in alike:
@@ -243,7 +243,7 @@ def _collect(
         builder.add_columns(".".join(path), [*shared, *alike])
     for part in structure.parts:
         if part not in beside:
-            _collect(builder, part, numbers, [*axes, *own])
+            _collect(builder, part, numbers, [*axes, *times])
 
 
 def _titled(structure: Structure, each: Series) -> Series:

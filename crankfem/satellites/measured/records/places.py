@@ -38,8 +38,8 @@ def even_places(places: Column, error: float) -> tuple[float, float] | None:
     for piece in places.read(SAMPLES):
         index = np.arange(count, count + piece.size, dtype=np.float64)
         if count == 0:
-            start, step = float(piece[0]), _slope(index, piece)
-        off = piece - (start + step * index)
+            start, step = float(piece[0]), _slope(index, piece - piece[0])
+        off = (piece - start) - step * index
         begins = np.arange(0, piece.size, BLOCK)
         ends = np.minimum(begins + BLOCK, piece.size) - 1
         extremes = [each.reduceat(off, begins) for each in (np.minimum, np.maximum)]

@@ -72,11 +72,11 @@ def firing_top(pressure: Channel, zero: str | None = None, strokes: int = 4) -> 
         after = math.remainder(peak - top, cycle)
         if ENGINE.earliest <= after <= ENGINE.latest and zero in (None, name):
             return math.radians(top)
-    said = f"the {zero} top" if zero else "a top of this cylinder"
+    expected = f"the {zero} top" if zero else "a top of this cylinder"
     raise InputError(
         finished(
-            f"{pressure.name}: its highest pressure is at {angle(peak, 4)}, with {said} at zero; allowed are "
-            f"{angle(ENGINE.earliest)} to {angle(ENGINE.latest)} from the firing top: another top is at "
+            f"{pressure.name}: its highest pressure is at {angle(peak, 4)}, with {expected} at zero; allowed "
+            f"are {angle(ENGINE.earliest)} to {angle(ENGINE.latest)} from the firing top: another top is at "
             "zero, or another cylinder's."
         )
     )
