@@ -6,6 +6,7 @@ import pytest
 
 from comparing import close
 from crankfem import STEEL, CrankThrow, Material, analyze_throw, axial_law, load_throw
+from crankfem.client import Client
 from crankfem.files.engine.new_file import engine_template
 from regression.law.throw_law import axial_law_slopes
 from satellites.service.serving import Served
@@ -268,6 +269,27 @@ def test_a_refused_change_of_a_job_is_told(followed):
     followed.route("**/api/jobs/*/cancel", lambda route: route.fulfill(status=409, json=refused))
     followed.click("#job-list button")
     followed.wait_for_selector('#job-list li:has-text("has ended already")')
+
+
+def test_a_page_that_follows_many_jobs_still_asks(open_service, served, throw):
+    """A browser keeps six connections to a service."""
+    client = Client(served.address)
+    jobs = [client.analyze_throw(throw, accuracy=0.002) for _ in range(8)]
+    try:
+        page = open_service()
+        for job in (jobs[-1], jobs[0]):
+            page.click(f"#job-{job.id} button:has-text('Cancel')")
+            page.wait_for_selector(f"#job-{job.id}:has-text('canceled')", timeout=20_000)
+        page.evaluate(TURN, 0.09)
+        # The next one runs, and is followed.
+        page.wait_for_selector(f"#job-{jobs[1].id}:has-text('Meshing')", timeout=60_000)
+        client.cancel(jobs[1])
+        page.wait_for_selector(f"#job-{jobs[1].id}:has-text('canceled')", timeout=20_000)
+        assert page.complaints == []
+    finally:
+        for job in client.jobs():
+            if job.state in ("queued", "running"):
+                client.cancel(job)
 
 
 def test_a_dropped_engine_sets_the_sliders_and_shows_its_verdict(open_service, tmp_path):

@@ -50,26 +50,75 @@ export async function askText(path, question, options) {
   return (await ask(path, question, options)).text();
 }
 
+// Streams of progress that are open at a time: browsers keep six connections to a service, and requests need some.
+const MOST_STREAMS = 3;
+const ENDED = ["done", "failed", "canceled"];
+// By the followed job: who is told of it, its last record, its stream. Jobs run in this order.
+const followed = new Map();
+
 /* Follow a job until it has ended; `tell` receives each change. */
 export function follow(id, tell) {
   return new Promise((resolve) => {
-    const events = new EventSource(`/api/jobs/${id}/events`);
-    const ended = ["done", "failed", "canceled"];
-    events.addEventListener("job", (event) => {
-      const job = JSON.parse(event.data);
-      tell(job);
-      if (ended.includes(job.state)) {
-        events.close();
-        resolve(job);
-      }
-    });
-    // The browser asks again by itself, also after the service was started anew.
-    events.addEventListener("error", () => {
-      if (events.readyState === EventSource.CLOSED) {
-        setTimeout(() => follow(id, tell).then(resolve), 2000);
-      }
-    });
+    const job = followed.get(id) ?? { tellers: [], last: null, stream: null };
+    followed.set(id, job);
+    job.tellers.push({ tell, resolve });
+    if (job.last) {
+      tell(job.last);
+    }
+    openStreams();
   });
+}
+
+/* Tell who follow a job of its record. */
+export function announce(record) {
+  const job = followed.get(record.id);
+  if (!job) {
+    return;
+  }
+  job.last = record;
+  const over = ENDED.includes(record.state);
+  if (over) {
+    forget(record.id);
+  }
+  for (const { tell, resolve } of job.tellers) {
+    tell(record);
+    if (over) {
+      resolve(record);
+    }
+  }
+}
+
+function forget(id) {
+  followed.get(id)?.stream?.close();
+  followed.delete(id);
+  openStreams();
+}
+
+function openStreams() {
+  for (const [id, job] of [...followed].slice(0, MOST_STREAMS)) {
+    job.stream ??= opened(id, job);
+  }
+}
+
+function opened(id, job) {
+  const stream = new EventSource(`/api/jobs/${id}/events`);
+  stream.addEventListener("job", (event) => announce(JSON.parse(event.data)));
+  // The browser asks again by itself, also after the service was started anew; but not after a refusal.
+  stream.addEventListener("error", async () => {
+    if (stream.readyState !== EventSource.CLOSED || followed.get(id) !== job) {
+      return;
+    }
+    const gone = await askJson(`/api/jobs/${id}`).then(() => false, (error) => error.status === 404);
+    if (gone) {
+      forget(id);
+    } else {
+      setTimeout(() => {
+        job.stream = null;
+        openStreams();
+      }, 2000);
+    }
+  });
+  return stream;
 }
 
 export function save(name, content, type) {

@@ -1,6 +1,6 @@
 /* Engine files: dropped, checked field by field, run; and the jobs of this service, found again. */
 
-import { ask, askJson, askText, drawPlot, follow, ProblemError } from "./api.js";
+import { announce, ask, askJson, askText, drawPlot, follow, ProblemError } from "./api.js";
 
 const byId = (id) => document.getElementById(id);
 const following = new Set();
@@ -181,10 +181,10 @@ function show(job) {
   }
 }
 
-/* A button that changes a job; a refusal is told in its row, and what the job becomes by its events. */
+/* A button that changes a job; a refusal is told in its row. */
 function change(text, job, row, method, path, changed) {
   return button(text, () =>
-    ask(`/api/jobs/${job.id}${path}`, undefined, { method }).then(changed, (error) => {
+    askJson(`/api/jobs/${job.id}${path}`, undefined, { method }).then(changed, (error) => {
       row.querySelector(".what").textContent += ` ${error.message}`;
     })
   );
@@ -192,7 +192,7 @@ function change(text, job, row, method, path, changed) {
 
 function active(job, row) {
   const bar = made("progress", { ariaLabel: `designs of ${job.title}` });
-  return [bar, change("Cancel", job, row, "POST", "/cancel")];
+  return [bar, change("Cancel", job, row, "POST", "/cancel", (now) => waits(now) || announce(now))];
 }
 
 function results(job, row, when) {
