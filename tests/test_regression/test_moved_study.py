@@ -369,6 +369,20 @@ def test_a_study_on_a_moved_mesh_by_workers_here_and_on_a_cluster(tmp_path):
     assert answer["mesh"] == kept.mesh
 
 
+@pytest.mark.further
+def test_a_dask_cluster_gives_the_study_of_this_machine(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    made = plan(accuracy=0.1, runs=12, held_out=1)
+    local = run_plan(made, tmp_path / "local.sqlite", 1)
+    alone = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "protocol": "tcp://"}
+    with distributed.LocalCluster(host="127.0.0.1", dashboard_address=None, **alone) as cluster:
+        table = run_plan(made, tmp_path / "dask.sqlite", dask=cluster.scheduler_address)
+    assert [row.mesh for row in table.rows] == [row.mesh for row in local.rows]
+    assert {row.mesh for row in table.rows} == {"anchor", "velocities"}
+    assert np.array_equal(table.responses[NAME], local.responses[NAME])
+    assert shown(tmp_path / "dask.sqlite") == list(local.responses[NAME])
+
+
 def test_sharp_throws_and_choices_fall_into_classes():
     levels = {"web_width": (0.28, 0.285, 0.29), "pin_length": (0.13, 0.135, 0.14)}
     made = plan_of_levels(SHARP, levels, held_out=2, mesh="moved")
