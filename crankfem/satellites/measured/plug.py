@@ -1,5 +1,15 @@
 """What the core knows of measured vibration."""
 
-from crankfem.files.satellites import Plug
+from crankfem.files.satellites import Plug, UseOfEngines
 
-PLUGS: tuple[Plug, ...] = ()
+CALIBRATE = Plug(
+    command=".measured.calibration.command:calibrate",
+    after="vibration",
+    examples=(
+        "calibrate 6chn105-130 run.csv --at 'free end' --move flywheel.inertia=5% --output fitted.toml",
+    ),
+    engines=UseOfEngines(
+        needs=frozenset({"gas", "gas_map"}), used=".measured.calibration.uses:used_sections"
+    ),
+)
+PLUGS: tuple[Plug, ...] = (CALIBRATE,)

@@ -28,3 +28,5 @@ TABLES = {
         {"amplitude": ("rad", lambda o: np.abs(o.amplitude).ravel())},
     )
 }
+# Of a command that reads files: a line of it. Its JSON is looked at here.
+READS = {"calibrate": ("calibrate", "6chn105-130", "PATH", "--at", "free end")}

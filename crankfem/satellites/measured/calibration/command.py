@@ -30,7 +30,7 @@ def calibrate(
         typer.Option(
             metavar="GROUP=TOLERANCE",
             help="What may move within the maker's tolerance, like flywheel.inertia=5% or "
-            "torsional_compliance=10%; by default [ranges] of the file.",
+            "torsional_compliance=10%; by default what the section ranges of the file has.",
         ),
     ] = None,
     gains: Annotated[

@@ -40,7 +40,7 @@ from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import CylinderHarmonics
-from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 
 # Sections whose fields may move: they are parts of the chain, and change no force of a cylinder.
 SECTIONS = ("flywheel", "free_end", "torsional_damper", "driven", "driver", "damping")
@@ -299,5 +299,7 @@ def with_magnifier(engine_file: EngineFile, names: Sequence[str]) -> EngineFile:
     damping = engine_file.damping
     given = damping is not None and (damping.torsional_magnifier or damping.damps_torsion)
     if f"damping.{field}" in names and not given:
-        return engine_file.changed(damping={field: DEFAULT_MAGNIFIER})
+        changed = engine_file.changed(damping={field: DEFAULT_MAGNIFIER})
+        origin = {f"damping.{field}": (MAGNIFIER_SOURCE, True)}
+        return replace(changed, provenance={**changed.provenance, **origin})
     return engine_file

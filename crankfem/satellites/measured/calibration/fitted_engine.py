@@ -46,12 +46,15 @@ class FittedEngine:
         Each group with its interval, tolerance, record and date in words.
     left_out : tuple of str
         Fitted groups that no file holds, such as the gain of the gas.
+    records : str
+        Names of the records.
     """
 
     engine_file: EngineFile
     chain: Chain | None
     sources: tuple[tuple[Group, str], ...]
     left_out: tuple[str, ...]
+    records: str
 
     def write(self, path: Path) -> tuple[Path, ...]:
         """Write the engine file, and the chain of the plant beside it, and return their paths.
@@ -71,7 +74,7 @@ class FittedEngine:
             write_text(chain_path, text, "input file")
         self.without_parts().save(path)
         content = tomllib.loads(path.read_text(encoding="utf-8"))
-        source = "; ".join(text for _, text in self.sources)
+        source = f"calibrated with {self.records}; each value has its source there"
         content["shaft_line"] = {
             **content.get("shaft_line", {}),
             "plant": {"value": chain_path.name, "source": source},
@@ -226,4 +229,4 @@ def fitted_engine(
             name = "damping.torsional_magnifier"
             origins[name] = (f"calibrated {date} with {', '.join(records)}", False)
     moved = replace(changed, provenance={**changed.provenance, **origins})
-    return FittedEngine(moved, chain, tuple(sources), tuple(left_out))
+    return FittedEngine(moved, chain, tuple(sources), tuple(left_out), ", ".join(records))
