@@ -1,7 +1,7 @@
 """Calibration of the six-cylinder chain by simulated records: coverage, null directions, gains.
 
-Run by hand: ``python tests/campaigns/calibration.py [coverage|gains] [COUNT] [FIRST SEED]``. Truth is drawn
-from the prior. The figures are in docs/measured.md.
+Run by hand: ``python tests/campaigns/calibration.py coverage|gains [COUNT] [FIRST SEED] [CASE]``. Truth is
+drawn from the prior. The figures are in docs/measured.md.
 """
 
 import sys
@@ -22,7 +22,7 @@ CASES = {
 }
 
 
-def coverage(count: int, first: int) -> None:
+def coverage(count: int, first: int, only: str = "") -> None:
     """Print how many 95 % intervals hold the truth, by group, and how often the null direction is named."""
     of = shaft()
     null = np.array(
@@ -31,6 +31,8 @@ def coverage(count: int, first: int) -> None:
     null /= np.linalg.norm(null)
     for name, sensor in (("pulley", PULLEY), ("flywheel", FLYWHEEL)):
         for case, options in CASES.items():
+            if only not in f"{name}, {case}":
+                continue
             started, held, named, narrow, lost, misfits = time.process_time(), [], 0, 0, 0, []
             for seed in range(first, first + count):
                 rng = np.random.default_rng(seed)
@@ -78,5 +80,5 @@ def gains(count: int, first: int) -> None:
 
 
 if __name__ == "__main__":
-    chosen, number, seed = [*sys.argv[1:], *["coverage", "200", "0"][len(sys.argv) - 1 :]]
-    {"coverage": coverage, "gains": gains}[chosen](int(number), int(seed))
+    chosen, number, seed, *case = [*sys.argv[1:], *["coverage", "200", "0"][len(sys.argv) - 1 :]]
+    {"coverage": coverage, "gains": gains}[chosen](int(number), int(seed), *case)

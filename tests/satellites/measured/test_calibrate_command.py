@@ -2,13 +2,16 @@
 
 import json
 
+import numpy as np
 import pytest
 import typer
+from scipy.interpolate import CubicSpline
 
 import crankfem as cf
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.satellites.measured.calibration.command import calibrate
-from measured_engines import ENGINE, FIELDS, measured, written
+from crankfem.satellites.measured.calibration.response_slopes import Sensor
+from measured_engines import ENGINE, FIELDS, ORDERS, TRUTH, measured, model, written
 from stand_ins import caller_of
 
 MOVES = [word for name, share in FIELDS.items() for word in ("--move", f"{name}={share:.0%}")]
@@ -54,13 +57,54 @@ def test_the_answer_is_whether_the_records_fit(call, orders):
     assert "Use of limits with the maker's values and with the fitted ones" in out
 
 
+def pulse_times(seconds: float = 40.0):
+    """Pulses of a 60-2 wheel at the free end during a run-up, whose pitches err; with the fitted values."""
+    of = model()
+    groups = of.groups(FIELDS)
+    low, high = np.array([700.0, 1500.0]) * np.pi / 30.0
+    speed = np.linspace(low, high, 60)
+    acting = of.excitation(ORDERS, speed)
+    w, over = np.outer(speed, ORDERS).ravel(), np.repeat(speed, ORDERS.size)
+    y, _ = of.shaft(groups).amplitudes(TRUTH[:4], Sensor(0), w, over, acting)
+    orders = CubicSpline(speed, y.reshape(60, -1))
+    ramp = (high - low) / seconds
+    # Eight rigid angles to a pitch, at which the wheel is turned by its vibration.
+    rigid = np.arange(0.0, 0.5 * (low + high) * seconds, 2.0 * np.pi / 480.0)
+    time = (np.sqrt(low**2 + 2.0 * ramp * rigid) - low) / ramp
+    motion = np.zeros(rigid.size)
+    for part in np.array_split(np.arange(rigid.size), 200):
+        amplitudes = orders(low + ramp * time[part])
+        waves = np.exp(1j * np.outer(rigid[part], ORDERS))
+        motion[part] = np.sum((amplitudes * waves).real, axis=1)
+    number = np.arange(1, int(rigid[-1] / (2.0 * np.pi)) * 60)
+    number = number[number % 60 < 58]
+    errors = np.random.default_rng(3).normal(size=60) * 0.01
+    teeth = 2.0 * np.pi / 60.0 * (number + errors[number % 60])
+    passed = np.interp(teeth, rigid + motion, rigid)
+    return np.interp(passed, rigid, time)
+
+
+def test_a_record_of_pulses_is_fitted(call, orders):
+    """From pulse times of a wheel to the truth, by whole orders less its constants, the zero known."""
+    times = "\n".join(f"{time:.9f}" for time in pulse_times())
+    (orders / "pulses.csv").write_text(f"pulse_time_s\n{times}\n")
+    wheel = ("--teeth", "60-2", "--mark-angle", "0 deg")
+    told = json.loads(call(ENGINE, "pulses.csv", "--at", "free end", *wheel, *MOVES, "--json"))
+    assert told["status"] != "does not fit"
+    for group, truth in zip(told["groups"], TRUTH, strict=False):
+        factor = np.exp(truth * np.log1p(FIELDS[group["name"]]) / 2.0)
+        width = np.log(group["high"] / group["low"])
+        assert abs(np.log(group["factor"] / factor)) < max(width, 0.01), group
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("run.csv", "--at", "a", "--at", "b"), "--at: given 2 for 1 tables"),
-        (("run.csv", "run.csv", "--at", "a", "--at", "b"), "one table twice"),
+        (("run.csv", "--at", "a", "--at", "b"), "--at: given 2 for 1 records"),
+        (("run.csv", "run.csv", "--at", "a", "--at", "b"), "given one twice"),
         (("run.csv", "--at", "rudder", *MOVES), "rudder"),
         (("run.csv", "--at", "free end", "--overlap", "1"), "overlap: given 1"),
+        (("run.csv", "--at", "free end", "--mark-angle", "3 deg"), "given without --teeth"),
         (("none.csv", "--at", "free end"), "none.csv"),
     ],
 )

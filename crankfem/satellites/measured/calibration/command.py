@@ -14,17 +14,27 @@ def calibrate(
     records: Annotated[
         list[str],
         typer.Argument(
-            metavar="ORDERS.csv...",
-            help="Tables of orders: columns speed, order, amplitude, phase and scatter, with units.",
+            metavar="RECORD...",
+            help="Records of a toothed wheel (--teeth), or tables of orders: columns speed, order, "
+            "amplitude, phase and scatter, with units.",
         ),
     ],
     at: Annotated[
         list[str],
         typer.Option(
             metavar="PLACE",
-            help='Mass, or element for a torque, of each table in turn, like "free end"; then of --predict.',
+            help='Mass, or element for a torque, of each record in turn, like "free end"; then of --predict.',
         ),
     ],
+    teeth: Annotated[
+        str | None, typer.Option(metavar="60-2", help="Teeth of the wheel less those of its gap.")
+    ] = None,
+    mark_angle: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"12 deg"', help="Shaft angle when the first tooth behind the gap passes."
+        ),
+    ] = None,
     move: Annotated[
         list[str] | None,
         typer.Option(
@@ -38,7 +48,7 @@ def calibrate(
     ] = False,
     predict: Annotated[
         list[str] | None,
-        typer.Option(metavar="ORDERS.csv", help="Table left out of the fit, to be predicted."),
+        typer.Option(metavar="RECORD", help="One left out of the fit, to be predicted."),
     ] = None,
     trusted_wheel: Annotated[
         bool,
@@ -49,11 +59,16 @@ def calibrate(
     ] = False,
     overlap: Annotated[
         float,
-        typer.Option(help="Share of its revolutions that a window has in common with the next."),
+        typer.Option(
+            help="Of a table: share of its revolutions that a window has in common with the next."
+        ),
     ] = 0.0,
     zero_unknown: Annotated[
         bool,
-        typer.Option("--zero-unknown", help="Phases count from a mark, not from top dead center."),
+        typer.Option(
+            "--zero-unknown",
+            help="Of a table: phases count from a mark, not from the engine's zero.",
+        ),
     ] = False,
     profile: Annotated[
         bool, typer.Option("--profile", help="Find intervals by profile likelihood, too.")
@@ -70,29 +85,37 @@ def calibrate(
     from crankfem.analyses.record import with_units
     from crankfem.satellites.measured.calibration.calibrated import calibrate as calibrated
     from crankfem.satellites.measured.calibration.groups import parsed_group
-    from crankfem.satellites.measured.calibration.orders_table import read_orders
+    from crankfem.satellites.measured.calibration.orders_table import read_orders, wheel_orders
     from crankfem.satellites.measured.calibration.told import calibration_parts
+    from crankfem.satellites.measured.measured_orders import MeasuredOrders
 
     paths = [*records, *(predict or ())]
     if len(at) != len(paths):
         raise InputError(
-            f"--at: given {len(at)} for {len(paths)} tables; allowed is one for each, --predict last, "
+            f"--at: given {len(at)} for {len(paths)} records; allowed is one for each, --predict last, "
             "because orders are compared where they were measured."
         )
-    tables = {
-        path: read_orders(
-            path,
-            place,
-            wheel=not trusted_wheel,
-            overlap=overlap,
-            zero_known=not zero_unknown,
-        )
-        for path, place in zip(paths, at, strict=True)
-    }
-    if len(tables) < len(paths):
+    if len({*paths}) < len(paths):
         raise InputError(
-            "records: given one table twice; allowed is each once, because it would count twice."
+            "records: given one twice; allowed is each once, because it would count twice."
         )
+    if mark_angle is not None and teeth is None:
+        raise InputError(
+            "--mark-angle: given without --teeth; allowed are both, because it is that of a wheel's gap."
+        )
+
+    def measured(path: str, place: str) -> MeasuredOrders:
+        if teeth is None:
+            return read_orders(
+                path,
+                place,
+                wheel=not trusted_wheel,
+                overlap=overlap,
+                zero_known=not zero_unknown,
+            )
+        return wheel_orders(engine, path, place, teeth, mark_angle, trusted_wheel)
+
+    tables = {path: measured(path, place) for path, place in zip(paths, at, strict=True)}
     with console.RunProgress(out.quiet) as progress:
         made = calibrated(
             engine,

@@ -1,4 +1,4 @@
-"""Measured orders from a table: speed, order, amplitude and phase in columns, with units in the heads."""
+"""Measured orders from a table with speed, order, amplitude and phase, or from a record of a wheel."""
 
 from pathlib import Path
 
@@ -7,8 +7,12 @@ import numpy as np
 from crankbase.errors import InputError, quoted
 from crankbase.exported_table import ExportedTable, read_exported_table
 from crankbase.input_file import InputFile
+from crankbase.quantity import parse_quantity
 from crankbase.units import NoUnitError, OtherKindError, size_in
+from crankfem.files.engine.engine_file import load_engine
 from crankfem.satellites.measured.measured_orders import UNITS, Measurand, MeasuredOrders
+from crankfem.satellites.measured.measurement import load, refuse_other_speeds
+from crankfem.satellites.measured.wheel_constants import without_wheel
 
 COLUMNS = ("speed", "order", "amplitude", "phase", "scatter")
 # Two lines are of one window if their speeds differ by less, as a share.
@@ -103,6 +107,40 @@ def read_orders(
         zero_known=zero_known,
         method=f"table {Path(path).name}",
     )
+
+
+def wheel_orders(
+    engine: str, path: str, place: str, teeth: str, mark_angle: str | None, trusted: bool
+) -> MeasuredOrders:
+    """Return the orders of a record of a toothed wheel on an engine.
+
+    Parameters
+    ----------
+    engine : str
+        Its file, whose strokes make the cycle and whose speeds the record must have.
+    mark_angle : str or None
+        Shaft angle when the first tooth behind the gap passes, with its unit.
+    trusted : bool
+        Whether the wheel has no constants at whole orders.
+
+    Raises
+    ------
+    InputError
+        If the record cannot be read, or does not fit what is said of it.
+    """
+    file = load_engine(engine).engine
+    angle = None if mark_angle is None else parse_quantity(mark_angle, "rad", "--mark-angle")
+    measurement = load(
+        path,
+        teeth,
+        place=place,
+        cycle=file.strokes // 2,
+        mark_angle_deg=None if angle is None else float(np.degrees(angle)),
+    )
+    refuse_other_speeds(measurement, file.lowest_speed, file.highest_speed)
+    orders = measurement.orders()
+    none = np.zeros(orders.orders.size)
+    return without_wheel(orders, none) if trusted else orders
 
 
 def _quantity(path: str | Path, table: ExportedTable, column: int) -> tuple[Measurand, float]:
