@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from crankbase.errors import InputError
@@ -127,6 +128,8 @@ class LawResults(Result):
 
 def law_results(throw: Throw, material: Material, gamma_deg: float | None = None) -> LawResults:
     """Return `law_answers`, or why there are none."""
+    if not isinstance(throw, CrankThrow):
+        return LawResults(None, f"It is in {Path(throw.path).name}, without dimensions.")
     try:
         return LawResults(law_answers(throw, material, gamma_deg), None)
     except InputError as error:

@@ -255,7 +255,7 @@ class LookupQuestion(ReactionsQuestion):
 class FileQuestion(InputModel):
     """A file as text, and the tables that it names."""
 
-    text: str = Field(description="content of the TOML file")
+    text: str = Field(description="content of the TOML file; to be checked, also of a STEP file")
     name: str = Field("engine.toml", description="name of the file")
     tables: dict[str, str] = Field({}, description="content of each table by the name of its file")
 

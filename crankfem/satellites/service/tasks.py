@@ -2,13 +2,18 @@
 
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from crankbase.errors import InputError, first_sentences
+import psutil
+
+from crankbase.errors import InputError, MeshError, first_sentences
+from crankbase.input_file import STEP_ENDINGS
 from crankbase.outputs import write_text
+from crankbase.processes import scratch_folder
 from crankbase.results import Result, json_text
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.reading.toml_file import TomlFile, read_toml
@@ -20,11 +25,14 @@ from crankfem.satellites.service.asking import (
     StressQuestion,
     parse_question,
 )
+from geometry.gmsh_session import IsolatedProcess
 from regression.records import Outcome
 
 _PLAIN = re.compile(r"[A-Za-z0-9][\w .()+-]{0,79}", re.ASCII)
 TABLE_ENDINGS = (".csv", ".json", ".toml")
 MOST_TABLES = 200
+# Faces of an uploaded STEP file, and memory that reading it may take [bytes].
+MOST_FACES, CHECK_MEMORY = 3000, 2_000_000_000
 # The folder of a job in which its uploaded files are kept, apart from all that the job writes.
 KEPT = "sent"
 
@@ -260,11 +268,106 @@ def check_body(body: bytes) -> tuple[dict[str, Any], dict[str, Any]] | tuple[int
     """
     try:
         question = parse_question(body, FileQuestion).model_dump()
+        if question["name"].lower().endswith(STEP_ENDINGS):
+            return question, check_step(question)
         return question, check_upload(question)
     except ProblemError as refused:
         return refused.status, refused.detail
     except InputError as error:
         raise InputError("\n".join(first_sentences(str(error)))) from None
+
+
+class _Here(IsolatedProcess):
+    """Calls functions in this process, which is one of its own for each file already."""
+
+    def call(
+        self,
+        function: str,
+        *arguments: Any,
+        time_limit: float,  # noqa: ARG002 - the whole check has one
+        on_remark: Callable[[Any], None] | None = None,
+    ) -> Any:
+        """Call it."""
+        module, _, name = function.partition(":")
+        more = {} if on_remark is None else {"on_remark": on_remark}
+        return getattr(import_module(module), name)(*arguments, **more)
+
+
+@contextmanager
+def memory_bounded(more: int) -> Iterator[None]:
+    """Let this process take so much more memory at most [bytes]; what takes more fails."""
+    try:
+        import resource  # here: not all systems have it
+    except ImportError:
+        yield
+        return
+    before, hard = resource.getrlimit(resource.RLIMIT_AS)
+    most = psutil.Process().memory_info().vms + more
+    resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (before, hard))
+
+
+def check_step(question: Mapping[str, Any]) -> dict[str, Any]:
+    """Read an uploaded STEP file in this process, and return its crankshaft's throws, of steel."""
+    from fem.material import STEEL
+    from geometry.imported_shaft import import_crankshaft
+
+    asked = FileQuestion(**question)
+    _check_name("name", asked.name, STEP_ENDINGS)
+    faces = asked.text.count("_FACE(")
+    if faces > MOST_FACES:
+        raise InputError(
+            f"text: given a STEP file with {faces} faces; allowed are {MOST_FACES} at most, because one file "
+            "is checked at a time; crankfem cad takes larger ones."
+        )
+    with scratch_folder() as folder, memory_bounded(CHECK_MEMORY):
+        (folder / asked.name).write_bytes(_encoded(asked.name, asked.text))
+        try:
+            shaft = import_crankshaft(folder / asked.name, folder=folder, process=_Here())
+        except (InputError, MeshError, MemoryError) as error:
+            reason = str(error).replace(f"{folder.resolve()}/", "") or "it takes too much memory"
+            raise InputError(f"text: {reason}") from None
+        throws = [
+            {
+                "number": number,
+                "angle_deg": angle,
+                "start": start,
+                "length": throw.length,
+                "mass": mass.mass,
+                "inertia_about_shaft": mass.inertia_about_shaft,
+                "symmetry": symmetry,
+                "like": like,
+                "change": change,
+            }
+            for number, (throw, angle, start, mass, symmetry, (like, change)) in enumerate(
+                zip(
+                    *(shaft.throws, shaft.angles_deg, shaft.starts, shaft.masses(STEEL.density)),
+                    *(shaft.symmetries, shaft.like),
+                    strict=False,
+                ),
+                start=1,
+            )
+        ]
+    units = {"angle_deg": "deg", "start": "m", "length": "m", "mass": "kg"}
+    units |= {"inertia_about_shaft": "kg m^2", "number": "1", "like": "1"}
+    return {
+        "kind": "crankshaft",
+        "valid": True,
+        "commands": ("cad",),
+        "remarks": shaft.remarks,
+        "warnings": (),
+        "dimensions": None,
+        "throw": None,
+        "material": None,
+        "record": {
+            "solid": shaft.solid,
+            "throws": throws,
+            "units": {f"throws.{name}": unit for name, unit in units.items()},
+        },
+    }
 
 
 def check_upload(question: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,12 +12,16 @@ import time
 import psutil
 import pytest
 
+from comparing import close
 from crankfem.client import Client, RefusedError
+from crankfem.files.engine.throw_file import load_crankshaft
 from crankfem.satellites.service import job_runner, job_store
 from crankfem.satellites.service.asking import ProblemError
 from crankfem.satellites.service.guard import Bounds
 from crankfem.satellites.service.job_runner import STARTS, JobRunner
 from crankfem.satellites.service.job_store import FULL, GONE, Followers, JobStore, StoreError
+from geometry.crankshaft import throw_masses
+from geometry.solid_files import write_step
 from satellites.service.serving import ROOT, STUDY, THROW
 
 
@@ -49,6 +53,33 @@ def test_a_file_is_checked_before_it_is_run(service):
     thin = STUDY.replace('web_thickness = "68 mm"', 'web_thickness = "20 mm"')
     _, told = service.json("/api/files/check", {"text": thin, "name": "study.toml"})
     assert "throw.web_thickness" in [one.partition(":")[0] for one in told["warnings"]]
+
+
+@pytest.mark.slow
+def test_a_step_file_is_checked(service, tmp_path):
+    shaft = load_crankshaft("yamz-5340")
+    text = write_step(shaft, tmp_path / "crank.step").read_text(encoding="utf-8")
+    status, told = service.json("/api/files/check", {"text": text, "name": "crank.step"})
+    assert (status, told["kind"], told["commands"]) == (200, "crankshaft", ["cad"])
+    throws = told["record"]["throws"]
+    assert [throw["angle_deg"] for throw in throws] == close(shaft.crank_angles_deg, abs=1e-6)
+    assert throws[3]["mass"] == close(throw_masses(shaft.throws[3], 7850.0).mass, rel=1e-5)
+    assert {throw["like"] for throw in throws} == {1}
+    many = text.replace("ENDSEC;", "/* " + "ADVANCED_FACE( " * 3000 + "*/ENDSEC;", 1)
+    for sent, name, reason in (
+        (text[: len(text) // 2], "crank.step", "crank.step: "),
+        (many, "crank.step", "allowed are 3000 at most"),
+        (text, "../crank.step", "allowed is the plain name"),
+    ):
+        status, told = service.json("/api/files/check", {"text": sent, "name": name})
+        assert status == 422
+        assert reason in told["detail"]
+        assert "/tmp" not in told["detail"]
+    status, told = service.json("/api/engines", {"text": text, "name": "crank.step"})
+    assert (status, "allowed is one that serves run" in told["detail"]) == (422, True)
+    # The process that checks serves the next file as before.
+    status, _ = service.json("/api/files/check", {"text": engine_text(), "name": "mine.toml"})
+    assert status == 200
 
 
 @pytest.mark.further

@@ -43,10 +43,10 @@ export function startFiles() {
 
 async function check(files) {
   const place = byId("checked");
-  const engines = files.filter((file) => file.name.endsWith(".toml"));
+  const engines = files.filter((file) => /\.(toml|step|stp)$/i.test(file.name));
   if (engines.length !== 1) {
     const names = files.map((file) => file.name).join(", ");
-    place.textContent = `Given: ${names || "no file"}; allowed is one engine file, which ends in .toml, with the tables that it names.`;
+    place.textContent = `Given: ${names || "no file"}; allowed is one engine file, which ends in .toml, with the tables that it names, or one STEP file.`;
     return;
   }
   const [engine] = engines;
@@ -62,6 +62,10 @@ async function check(files) {
   }
   try {
     const found = await askJson("/api/files/check", question);
+    if (found.kind === "crankshaft") {
+      showThrows(place, engine.name, found);
+      return;
+    }
     const kinds = [["run", "/api/engines", "Run: vibration, verdict, report"], ["doe", "/api/studies", "Run the study alone"]];
     if (found.throw) {
       document.dispatchEvent(new CustomEvent("throw-read", { detail: { ...found.throw, material: found.material } }));
@@ -82,6 +86,22 @@ async function check(files) {
   } catch (error) {
     refuse(place, engine.name, error);
   }
+}
+
+/* The throws of a crankshaft from CAD. */
+function showThrows(place, name, found) {
+  const heads = ["Throw", "Angle [deg]", "Length [mm]", "Mass [kg]", "Like throw"];
+  const number = (value) => `${Number(value.toPrecision(5))}`;
+  const rows = found.record.throws.map((one) =>
+    made("tr", {}, made("th", { scope: "row", textContent: one.number }),
+      ...[number(one.angle_deg), number(1e3 * one.length), number(one.mass), one.like === one.number ? "" : `${one.like}, ${one.change}`]
+        .map((text) => made("td", { textContent: text }))));
+  const head = made("tr", {}, ...heads.map((text) => made("th", { scope: "col", textContent: text })));
+  place.replaceChildren(
+    made("p", { textContent: `${name} has a crankshaft of ${rows.length === 1 ? "one throw" : `${rows.length} throws`}, here of steel; crankfem cad ${name} --engine mine.toml makes an engine file of it.` }),
+    made("table", {}, made("thead", {}, head), made("tbody", {}, ...rows)),
+    ...found.remarks.map((remark) => made("p", { className: "remarks", textContent: remark }))
+  );
 }
 
 /* Show each error at its field. */
