@@ -379,7 +379,7 @@ def _remarks(cut: CutShaft, unit: float) -> list[str]:
         remarks.append(f"{cut.crossing} faces of oil holes cross journals, pins or webs.")
     if cut.splines:
         remarks.append(
-            "The solid has spline faces, by which the kernel's masses are up to 1 % off; export it with "
-            "analytic ones, if possible."
+            "The solid has spline faces: masses are from meshes of its surface; with analytic ones all is "
+            "faster."
         )
     return remarks

@@ -21,11 +21,11 @@ from geometry.faces import (
 )
 from geometry.gmsh_session import curvature_radius
 from geometry.imported import PLACE_TOLERANCE, ImportedThrow, RequestedFaces, opened_part
-from geometry.mesh import properties_of
 from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
 from geometry.sizes import ROOT_PER_FILLET, SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
 from geometry.step_file import PLANE, StepFace
+from geometry.surface_mass import measured_properties
 
 
 def same_surface(face: Face, wanted: StepFace, tolerance: float) -> bool:
@@ -202,11 +202,12 @@ class _Recognition:
         axes = ((0.0, 0.0), *pin_axes, (0.0, 0.0))
         spans = [(low + shift, high + shift) for low, high in reaches]
         cylinders = named_cylinders(names, axes, row, spans, radii, holes)
+        solid = measured_properties(gmsh, self._solid)
         throw = ImportedThrow(
             path=path,
             digest=digest,
             length=self._high - self._low,
-            volume=float(gmsh.model.occ.getMass(3, self._solid)),
+            volume=solid.volume,
             area=sum(float(gmsh.model.occ.getMass(2, face.tag)) for face in self._faces),
             symmetry="full",
             filleted=not corners,
@@ -221,7 +222,7 @@ class _Recognition:
             cylinders=cylinders,
             fillets=tuple((zone, tuple(tags)) for zone, tags in fillets.items()),
             corners=tuple((zone, tuple(tags)) for zone, tags in corners.items()),
-            solid=properties_of(gmsh, self._solid).turned(turn, shift),
+            solid=solid.turned(turn, shift),
         )
         return self._symmetric(throw)
 

@@ -20,7 +20,7 @@ from crankbase.quantity import format_quantity
 from geometry.equal_pieces import EQUAL, Signature, signature
 from geometry.faces import PLAIN_KINDS, Face, Round, measured_face, meetings, rounds_along
 from geometry.gmsh_session import gmsh_errors, gmsh_session, read_shapes
-from geometry.mesh import OnRemark, SolidProperties, properties_of
+from geometry.mesh import OnRemark, SolidProperties
 from geometry.shaft_shape import PLACE, Line, frame_along, journals_of, usual_cuts
 from geometry.solid import remove_loose
 from geometry.solids_in_file import (
@@ -30,6 +30,7 @@ from geometry.solids_in_file import (
     is_built_up,
     measured_solid,
 )
+from geometry.surface_mass import measured_properties
 
 # Volumes of the pieces make up the whole to this share; of spline faces the kernel's own are less exact.
 KEPT, KEPT_OF_SPLINES = 1e-4, 0.01
@@ -347,7 +348,7 @@ class _Shaft:
         throws: list[Piece] = []
         known: list[Signature] = []
         for tag, (low, high) in self._pieces:
-            solid = properties_of(self._gmsh, tag)
+            solid = measured_properties(self._gmsh, tag)
             solid = replace(solid, center=solid.center - np.array([0.0, 0.0, self.cuts[0]]))
             reach = MM * (low - self.cuts[0]), MM * (high - self.cuts[0])
             piece = Piece(*reach, solid.scaled(MM))
@@ -359,6 +360,7 @@ class _Shaft:
             pins = self._throws[len(throws)]
             angles = [angle_of(pin.axis) for pin in pins]
             found = signature(self._gmsh, tag, low, high, angles)
+            found = replace(found, volume=solid.volume)
             number = len(throws)
             like, change, copied = number, EQUAL, None
             for place, other in enumerate(known):

@@ -10,8 +10,9 @@ import numpy as np
 from crankbase.errors import MeshError
 from geometry.gmsh_session import gmsh_errors
 from geometry.mass import solid_mass_properties
-from geometry.mesh import SolidProperties, properties_of
+from geometry.mesh import SolidProperties
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE, RIGHT_END, Zone, remove_loose
+from geometry.surface_mass import measured_properties
 
 # Mass, center and inertia of the mirrored part are the whole's to this share of mass and length.
 MIRRORED = 1e-5
@@ -68,7 +69,7 @@ def part_of_solid(
     MeshError
         If the kernel fails, or the part mirrored is not the whole.
     """
-    whole = properties_of(gmsh, tag)
+    whole = measured_properties(gmsh, tag)
     if part == "full":
         return PartOfSolid(whole, _listed(surfaces), _listed(fillets), _listed(corners))
     occ = gmsh.model.occ
@@ -87,7 +88,7 @@ def part_of_solid(
         occ.remove([(3, other) for other in sorted(others)], recursive=True)
         occ.remove(planes, recursive=True)
         remove_loose(gmsh)
-        solid = properties_of(gmsh, wanted[0])
+        solid = measured_properties(gmsh, wanted[0])
         sides = gmsh.model.getBoundary([(3, wanted[0])], combined=False, oriented=False)
         edges = gmsh.model.getBoundary(sides, combined=False, oriented=False)
         here = {*sides, *edges}
