@@ -82,6 +82,10 @@ def test_a_name_in_two_groups_asks_which(tmp_path):
     with pytest.raises(InputError, match=r"'M', of which there are 2, in the groups 'A', 'B'; say"):
         record.channel("M")
     assert record.channel("M", "B").values[0] == 1.0
+    assert repr(record).startswith("Record(format TDMS, names (M, M), path ")
+    assert (
+        repr(record.channels[1]) == "Channel(name M, group B, axis time, samples 3, rate 1000 1/s)"
+    )
     with pytest.raises(InputError, match=r"not there; did you mean M"):
         record.channel("Mm")
 

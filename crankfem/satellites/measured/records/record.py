@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from crankbase.array_checks import Array, read_only
 from crankbase.choices import allowed_names
 from crankbase.errors import InputError, quoted
+from crankbase.summaries import summarized
 from crankbase.units import size_in
 from crankfem.satellites.measured.records.units import AXIS_UNITS, kind_of_unit, split_heading
 
@@ -78,6 +79,7 @@ class Column:
         return read_only(np.concatenate([*self.read(SAMPLES), np.empty(0)]))
 
 
+@summarized("name", "group", "unit", "axis", "samples: column.count", "rate [1/s]")
 @dataclass(frozen=True, eq=False)
 class Channel:
     """Samples of one quantity.
@@ -219,6 +221,7 @@ class Channel:
         return self.start + (counted * self.step if self.rate is None else counted / self.rate)
 
 
+@summarized("format", "names", "path")
 @dataclass(frozen=True, eq=False)
 class Record:
     """What an instrument wrote into a file.
@@ -239,6 +242,11 @@ class Record:
     format: str
     channels: tuple[Channel, ...]
     notes: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the channels."""
+        return tuple(each.name for each in self.channels)
 
     def channel(self, name: str, group: str | None = None) -> Channel:
         """Return a channel by its name, and that of its group where several have the name.
