@@ -19,6 +19,7 @@ from crankfem import formulas as formulas
 from crankfem import gas as gas
 from crankfem import hinges as hinges
 from crankfem import limits as limits
+from crankfem import measurements as measurements
 from crankfem import mechanism as mechanism
 from crankfem import pictures as pictures
 from crankfem import response as response

@@ -305,7 +305,13 @@ def fit_along(samples: Samples, orders: Array, at: Array) -> OrderFit:
             rows = np.zeros((splines.count - below, unknowns))
             rows[:, 1:] = 10.0**power * np.diagonal(bend, -below)[:, None]
             whole[below * unknowns, : rows.size] += rows.ravel()
-        factor = cholesky_banded(whole, lower=True, check_finite=False)
+        try:
+            factor = cholesky_banded(whole, lower=True, check_finite=False)
+        except np.linalg.LinAlgError:
+            raise InputError(
+                f"record: lacks teeth over more than {turns:g} revolutions in a row; allowed is a record "
+                "without such holes, because its amplitudes are smooth along the whole."
+            ) from None
         pairs = cho_solve_banded((factor, True), right, check_finite=False)
         off = _pitch_errors(samples.tooth, pairs, right, value, noise) if of_each else np.zeros(0)
         solved = (pairs[:, 0] - pairs[:, 1:] @ off).reshape(splines.count, unknowns)

@@ -2,6 +2,12 @@
 
 from crankfem.files.satellites import Plug, UseOfEngines
 
+MEASURED = Plug(
+    command=".measured.command:measured",
+    after="vibration",
+    examples=("measured run.csv --teeth 60-2 --engine cat-3116 --at 'free end'",),
+    engines=UseOfEngines(used=".measured.uses:used_sections"),
+)
 CALIBRATE = Plug(
     command=".measured.calibration.command:calibrate",
     after="vibration",
@@ -12,4 +18,4 @@ CALIBRATE = Plug(
         needs=frozenset({"gas", "gas_map"}), used=".measured.calibration.uses:used_sections"
     ),
 )
-PLUGS: tuple[Plug, ...] = (CALIBRATE,)
+PLUGS: tuple[Plug, ...] = (MEASURED, CALIBRATE)

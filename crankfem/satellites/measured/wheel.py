@@ -16,6 +16,8 @@ NEIGHBORS = 7
 # An interval below this share of a pitch has one pulse too many; a double tooth's are between these shares.
 DOUBLED = 0.4
 HALF_PITCH = (0.3, 0.7)
+# A gap may be wider by so many pitches.
+WIDER = 0.7
 # Marks on either side that a mark must agree with, and the least share of revolutions with one.
 AGREEING, MARKED = 5, 0.5
 # More teeth lost or doubled than this share: the wheel is not as it is said to be.
@@ -159,7 +161,10 @@ def number_teeth(times: ArrayLike, wheel: Wheel) -> Teeth:
     # A double tooth stands before the first tooth of a revolution, as a gap does.
     firsts = np.concatenate(([0], np.cumsum(kept)))[np.minimum(behind, kept.size)]
     time = time[~extra][kept]
-    steps = np.maximum(np.rint(_pitches_of(time)), 1.0).astype(np.int64)
+    shares = _pitches_of(time)
+    steps = np.maximum(np.rint(shares), 1.0).astype(np.int64)
+    if wheel.missing:
+        _count_whole_turns(steps, shares, wheel)
     number = np.concatenate(([0], np.cumsum(steps)))
     sure = np.ones(number.size, dtype=bool)
     if wheel.missing or wheel.double:
@@ -167,6 +172,9 @@ def number_teeth(times: ArrayLike, wheel: Wheel) -> Teeth:
         number, sure = _by_marks(number, marks, steps, wheel)
     present = np.arange(number[0], number[-1] + 1) % wheel.pitches < wheel.pitches - wheel.missing
     lost = int(np.count_nonzero(present)) - number.size
+    regular = _not_this(steps, wheel, f"of {number.size} pulses {lost} are missing")
+    if not wheel.marked and "like those" in str(regular):
+        raise regular
     if max(lost, doubled) > MOST_MENDED * number.size:
         raise _not_this(steps, wheel, f"of {number.size} pulses {max(lost, doubled)} do not fit it")
     return Teeth(wheel, time[sure], number[sure], lost, doubled, int(np.count_nonzero(~sure)))
@@ -210,6 +218,24 @@ def _without_doubled(time: Array) -> Flags:
         first = off(before + between) + off(after) < off(before) + off(between + after)
         kept[places[np.where(first, short, short + 1)]] = False
     return kept
+
+
+def _count_whole_turns(steps: Integers, shares: Array, wheel: Wheel) -> None:
+    """Set the pitches of intervals from one gap to the next with as many pulses as there are teeth.
+
+    Teeth beside a gap make it wider, and so does vibration: it is the longest interval of a revolution.
+    """
+    from scipy.ndimage import maximum_filter
+
+    gap, present = wheel.missing + 1, wheel.pitches - wheel.missing
+    steps[(shares > gap) & (shares < gap + WIDER)] = gap
+    longest = maximum_filter(shares, present, mode="nearest")
+    gaps = np.flatnonzero((shares > gap - 0.5) & (shares == longest))
+    whole = np.append(np.diff(gaps) == present, False)
+    turn = np.searchsorted(gaps, np.arange(steps.size), side="right") - 1
+    steps[(turn >= 0) & whole[turn]] = 1
+    steps[gaps[whole]] = gap
+    steps[gaps[1:][whole[:-1]]] = gap
 
 
 def _behind_gaps(steps: Integers, wheel: Wheel) -> Integers:

@@ -71,6 +71,9 @@ def test_another_wheel_is_named():
     with refused("teeth") as caught:
         number_teeth(times, Wheel(36, 1))
     assert "60-2" in str(caught.value)
+    with refused("teeth") as caught:
+        number_teeth(times, Wheel(120))
+    assert "60-2" in str(caught.value)
     numbers = np.arange(3000)
     with refused("teeth") as caught:
         number_teeth(times_of(numbers + 1, 60), Wheel(60, 2))

@@ -1,0 +1,149 @@
+"""Measured orders over an engine's: a record of its own chain, integrated apart, is found again."""
+
+import importlib.util
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankbase.errors import InputError
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.satellites.measured.measured_orders import MeasuredOrders
+from crankfem.satellites.measured.measurement import Measurement
+from crankfem.satellites.measured.overlay import overlay
+from crankfem.satellites.measured.run import MeasuredVibration
+from crankfem.satellites.measured.wheel import Wheel, number_teeth
+from dynamics.response.forced import forced_response
+from refusals import refused
+
+ENGINE = "cat-3116"
+RPM = np.pi / 30.0
+vibration = cache(lambda: engine_vibration(ENGINE))
+
+
+@cache
+def builder():
+    """The script that makes the record of the documentation, by its own time integration."""
+    path = Path(__file__).parents[3] / "docs" / "build_measured_record.py"
+    spec = importlib.util.spec_from_file_location("build_measured_record", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@cache
+def steady_orders(place="free end", quantity="angle"):
+    """Orders at some speeds, solved at each by the dynamic stiffness of plain matrices."""
+    response = vibration().forced_torsional.response
+    chain, given = response.chain, response.excitation
+    speeds = np.linspace(1800.0, 2700.0, 61) * RPM
+    nodes, ends = np.arange(len(chain.inertia)), np.array(chain.connections)
+    along = (nodes == ends[:, 1:]).astype(float) - (nodes == ends[:, :1])
+    stiffness = along.T @ (np.asarray(chain.stiffness)[:, None] * along)
+    root = np.sqrt(np.asarray(chain.inertia))
+    squares, shapes = np.linalg.eigh(stiffness / np.outer(root, root))
+    shapes = shapes / root[:, None]
+    at_speeds = given.at_speeds(speeds).forces
+    w = np.outer(given.orders, speeds)[:, :, None]
+    squares = np.maximum(squares, 0.0)
+    gain = 1.0 / (squares - w**2 + 2j * 0.0125 * np.sqrt(squares) * w)
+    moved = ((at_speeds @ shapes) * gain) @ shapes.T
+    if quantity == "torque":
+        values = (moved @ along.T * np.asarray(chain.stiffness))[:, :, chain.elements.index(place)]
+    else:
+        values = moved[:, :, chain.names.index(place)]
+    count, size = speeds.size, given.orders.size
+    return MeasuredOrders(
+        orders=given.orders,
+        speed=speeds,
+        amplitude=values.T,
+        scatter=np.full((count, size), 1e-7),
+        place=place,
+        quantity=quantity,
+        correlation=np.eye(count),
+        ramp=np.zeros(count),
+        wheel_constant=np.zeros(size, dtype=bool),
+        cycle=2,
+        zero_known=True,
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("quantity", ["angle", "torque"])
+def test_orders_of_the_engine_itself_lie_on_its_own(quantity):
+    names = vibration().forced_torsional.response.chain
+    place = names.elements[3] if quantity == "torque" else names.names[0]
+    found = overlay(steady_orders(place, quantity), vibration())
+    assert found.by == "steady"
+    assert found.difference < 1e-6
+    assert found.doubt == ""
+    first = found.pairs[0]
+    assert (first.order, first.measured) == (6.0, close(first.calculated, rel=1e-6))
+
+
+@pytest.mark.slow
+def test_an_unknown_mark_and_a_wheel_are_chosen_to_agree():
+    true = steady_orders()
+    constants = np.where(true.orders % 1.0 == 0.0, 3e-3 * np.exp(1j * true.orders), 0.0)
+    mark = np.radians(84.0)
+    moved = true.amplitude * np.exp(1j * mark * true.orders) + constants
+    whole = true.orders % 1.0 == 0.0
+    record = replace(true, amplitude=moved, wheel_constant=whole, zero_known=False)
+    found = overlay(record, vibration())
+    assert found.difference < 0.01
+    assert any("84.0 deg" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_what_does_not_fit_is_told():
+    true = steady_orders()
+    shifted = overlay(replace(true, speed=true.speed * 0.9, amplitude=true.amplitude), vibration())
+    assert "below the calculated" in shifted.doubt
+    turned = replace(true, amplitude=-true.amplitude * np.exp(0.3j * true.orders**2))
+    assert "More is left" in overlay(turned, vibration()).doubt
+    with refused("place"):
+        overlay(replace(true, place="crankpin 9"), vibration())
+    with refused("engine"):
+        overlay(replace(true, quantity="pressure"), vibration())
+    with refused("record"):
+        overlay(replace(true, speed=true.speed * 10.0), vibration())
+    # A speed that changes unevenly and quickly is no steady one, and no run-up that is known.
+    with pytest.raises(InputError, match="off by"):
+        overlay(replace(true, ramp=np.linspace(-40.0, 90.0, true.speed.size)), vibration())
+
+
+@pytest.mark.slow
+def test_orders_are_drawn_and_written(tmp_path):
+    found = overlay(steady_orders(), vibration())
+    run = MeasuredVibration.of("run.csv", steady_orders(), found)
+    written = run.draw(tmp_path)
+    assert [path.name for path in written] == ["orders_map.svg", "overlay.svg", "overlay.html"]
+    assert "order 6 measured" in written[2].read_text(encoding="utf-8")
+    lines = {line.get_label(): line for line in found.plot().lines}
+    assert lines["order 6"].get_ydata() == close(
+        np.degrees(np.abs(steady_orders().amplitude[:, 11])), rel=1e-5
+    )
+
+
+@pytest.mark.further
+def test_a_run_up_integrated_apart_is_that_of_the_engine():
+    response = vibration().forced_torsional.response
+    times = builder().pulses(response, 1900.0, 2800.0, 25.0, 1.0)
+    measured = Measurement(
+        number_teeth(times, Wheel(60, 2)), None, "angle", "free end", 2, None, ()
+    ).orders()
+    found = overlay(measured, vibration())
+    assert found.by == "run-up"
+    assert found.ramp_error > 0.02
+    assert found.difference < 0.02
+    first = found.pairs[0]
+    assert first.order == 6.0
+    assert first.measured == close(first.calculated, rel=0.01)
+    # The same orders at steady speeds are not.
+    speeds = found.measured.speed
+    steady = forced_response(response.system, response.excitation.at_speeds(np.sort(speeds)))
+    apart = found.measured.amplitude[np.argsort(speeds)] - steady.motion[:, :, 0].T
+    assert np.linalg.norm(apart) > 2.0 * found.difference * np.linalg.norm(found.measured.amplitude)
