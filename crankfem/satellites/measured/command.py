@@ -52,7 +52,7 @@ def measured(
         str | None,
         typer.Option(metavar="CHANNEL", help="Channel of another sensor, such as a torque."),
     ] = None,
-    mark: Annotated[
+    mark_angle: Annotated[
         str | None,
         typer.Option(
             metavar='"84 deg"',
@@ -114,7 +114,9 @@ def measured(
             signal=signal,
             place=at,
             cycle=cycle,
-            mark_angle_deg=None if mark is None else parse_quantity(mark, "deg", "--mark"),
+            mark_angle_deg=None
+            if mark_angle is None
+            else parse_quantity(mark_angle, "deg", "--mark-angle"),
             edge="falling" if falling else "rising",
             rate=rate,
         )

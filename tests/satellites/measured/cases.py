@@ -28,5 +28,8 @@ TABLES = {
         {"amplitude": ("rad", lambda o: np.abs(o.amplitude).ravel())},
     )
 }
-# Of a command that reads files: a line of it. Its JSON is looked at here.
-READS = {"calibrate": ("calibrate", "6chn105-130", "PATH", "--at", "free end")}
+# Of commands that read files: a line of each. Their JSON is looked at here.
+READS = {
+    "calibrate": ("calibrate", "6chn105-130", "PATH", "--at", "free end"),
+    "measured": ("measured", "PATH", "--teeth", "60-2"),
+}
