@@ -1,8 +1,9 @@
 """Measurements: orders from records of vibration, compared with an engine's.
 
 >>> import crankfem as cf
->>> cf.measurements.Wheel.read("60-2").missing
-2
+>>> wheel = cf.measurements.Wheel.read("60-2")
+>>> wheel.missing, wheel.highest_order
+(2, 30.0)
 """
 
 from crankbase.public_names import lazy_exports

@@ -42,6 +42,9 @@ class MeasuredVibration(Result):
     unit: str
     method: str
     measured: Internal[MeasuredOrders]
+    orders: Annotated[Array, Quantity("1")]
+    speed: Annotated[Array, Quantity("rad/s", "of each window", "1/min")]
+    amplitude: Annotated[Array, Quantity(".unit", "by speed and order")]
     largest: tuple[LargestOrder, ...]
     overlay: Overlay | None
     notes: tuple[str, ...]
@@ -74,25 +77,13 @@ class MeasuredVibration(Result):
             measured.unit,
             measured.method,
             measured,
+            measured.orders,
+            measured.speed,
+            size,
             tuple(largest),
             overlay,
             tuple(notes),
         )
-
-    @property
-    def orders(self) -> Annotated[Array, Quantity("1")]:
-        """Ascending, (k,)."""
-        return self.measured.orders
-
-    @property
-    def speed(self) -> Annotated[Array, Quantity("rad/s", exported="1/min")]:
-        """Of each window [rad/s], (m,)."""
-        return self.measured.speed
-
-    @property
-    def amplitude(self) -> Annotated[Array, Quantity(".unit", "by speed and order")]:
-        """Of each order at each speed, (m, k)."""
-        return np.abs(self.measured.amplitude)
 
     @property
     def conclusion(self) -> Annotated[str, Quantity(key="conclusion")]:

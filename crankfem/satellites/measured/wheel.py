@@ -16,8 +16,8 @@ NEIGHBORS = 7
 # An interval below this share of a pitch has one pulse too many; a double tooth's are between these shares.
 DOUBLED = 0.4
 HALF_PITCH = (0.3, 0.7)
-# A gap may be wider by so many pitches.
-WIDER = 0.7
+# A gap may be wider by so many pitches; and by so many where the revolution has all of its pulses.
+WIDER, WIDEST = 0.7, 0.9
 # Marks on either side that a mark must agree with, and the least share of revolutions with one.
 AGREEING, MARKED = 5, 0.5
 # More teeth lost or doubled than this share: the wheel is not as it is said to be.
@@ -231,11 +231,12 @@ def _count_whole_turns(steps: Integers, shares: Array, wheel: Wheel) -> None:
     steps[(shares > gap) & (shares < gap + WIDER)] = gap
     longest = maximum_filter(shares, present, mode="nearest")
     gaps = np.flatnonzero((shares > gap - 0.5) & (shares == longest))
-    whole = np.append(np.diff(gaps) == present, False)
-    turn = np.searchsorted(gaps, np.arange(steps.size), side="right") - 1
-    steps[(turn >= 0) & whole[turn]] = 1
-    steps[gaps[whole]] = gap
-    steps[gaps[1:][whole[:-1]]] = gap
+    for begin, end in zip(gaps[:-1].tolist(), gaps[1:].tolist(), strict=True):
+        if end - begin == present:
+            steps[begin + 1 : end] = 1
+            for place in (begin, end):
+                # A wider one has lost a tooth beside it.
+                steps[place] = gap if shares[place] < gap + WIDEST else steps[place]
 
 
 def _behind_gaps(steps: Integers, wheel: Wheel) -> Integers:

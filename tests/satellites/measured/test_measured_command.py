@@ -31,7 +31,7 @@ def test_json_and_files_hold_the_orders(call, record, tmp_path):
     assert found["amplitude"][0] == close([2e-3, 1e-3], rel=1e-4)
     assert found["speed_rpm"] == close([800.0], rel=1e-4)
     assert found["largest"][1]["phase_deg"] == close(np.degrees(-1.1), abs=0.05)
-    assert found["units"]["amplitude"] == "rad"
+    assert found["unit"] == "rad"
     assert (tmp_path / "p" / "orders_map.svg").is_file()
     again = read_orders(tmp_path / "t" / "measured_orders.csv", "free end")
     assert again.amplitude[0] == close([2e-3 * np.exp(0.4j), 1e-3 * np.exp(-1.1j)], rel=1e-3)
