@@ -372,6 +372,14 @@ def test_a_large_fit_takes_less_than_two_seconds():
     assert time.process_time() - before < 2.0
 
 
+def test_misfit_of_a_single_speed_is_that_of_half_orders():
+    """Constants of a wheel take whole orders at one speed altogether: they tell nothing of the misfit."""
+    misfits = [
+        solved(FLYWHEEL, seed, speed=[150.0], wheel=1.0, floor=True)[0].misfit for seed in range(6)
+    ]
+    assert 0.3 < np.mean(misfits) < 2.5
+
+
 def test_orders_without_scatter_are_refused():
     record = observed(shaft(), np.zeros(8), PULLEY, np.random.default_rng(0))
     with pytest.raises(cf.InputError, match="scatter of 0"):

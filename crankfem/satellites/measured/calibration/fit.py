@@ -58,8 +58,8 @@ class Observation:
     def __post_init__(self) -> None:
         if not np.all(self.measured.scatter > 0.0):
             raise InputError(
-                f"{self.measured.place}: given orders with a scatter of 0; allowed is more than zero, "
-                "because each value is weighed by it."
+                f"{self.measured.place}: given orders with a scatter of {np.min(self.measured.scatter):g}; "
+                "allowed is more than zero, because each value is weighed by it."
             )
 
     @cached_property
@@ -481,8 +481,9 @@ def _judged(problem: Problem, parameters: Array, robust: bool, starts: tuple[flo
     free = max(counted - used, 1.0)
     slope, spread = psi_slope / effective, squares / free
     usual_slope, usual = _usual(robust)
-    middle = np.median(np.concatenate([rest.ravel() ** 2 for rest in residuals]))
-    misfit = float(middle / chi2.ppf(0.5, 1)) * effective / free
+    pairs = zip(problem.observations, residuals, strict=True)
+    middle = np.median(np.concatenate([_of_one_size(*pair) ** 2 for pair in pairs]))
+    misfit = float(middle / chi2.ppf(0.5, 1)) * max(counted, 1.0) / free
     limit = float(chi2.ppf(0.99, MEDIAN_KNOWS * free) / (MEDIAN_KNOWS * free))
     if free < ENOUGH_TO_JUDGE:
         slope, spread = usual_slope, usual * (misfit if misfit > limit else 1.0)
@@ -501,6 +502,14 @@ def _judged(problem: Problem, parameters: Array, robust: bool, starts: tuple[flo
         residuals=tuple(residuals),
         weights=tuple(weights),
     )
+
+
+def _of_one_size(each: Observation, rest: Array) -> Array:
+    """Return residuals of the variance that those of all orders have, although constants took their part."""
+    flagged, count = each.measured.wheel_constant & each.phases, each.measured.speed.size
+    if count == 1:  # its constants take all of it
+        return np.asarray(rest[:, :, ~flagged].ravel()) if not np.all(flagged) else np.zeros(1)
+    return np.asarray((rest * np.where(flagged, np.sqrt(count / (count - 1.0)), 1.0)).ravel())
 
 
 def _usual(robust: bool) -> tuple[float, float]:

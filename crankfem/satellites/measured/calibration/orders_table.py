@@ -65,7 +65,7 @@ def read_orders(
     at = {name: names.index(name) for name in COLUMNS}
     wrong = [line for name in COLUMNS for line in table.wrong_cells(at[name], name)]
     if wrong:
-        raise InputError("\n".join(f"{path}: {line}" for line in wrong))
+        raise InputError("\n".join(wrong))
     quantity, size = _quantity(path, table, at["amplitude"])
     _, scatter_size = _quantity(path, table, at["scatter"])
     turn = DEGREES.get(table.units[at["phase"]].casefold())
