@@ -7,6 +7,7 @@ from crankfem.satellites.measured.overlay import Overlay as Overlay
 from crankfem.satellites.measured.overlay import overlay as overlay
 from crankfem.satellites.measured.pulses import pulse_times as pulse_times
 from crankfem.satellites.measured.records.reading import read_record as read_record
+from crankfem.satellites.measured.records.top import cylinder_pressure as cylinder_pressure
 from crankfem.satellites.measured.wheel import Wheel as Wheel
 from crankfem.satellites.measured.wheel_constants import (
     constants_by_reference as constants_by_reference,
