@@ -42,7 +42,7 @@ KNOWN_SCATTER = 4
 # Longest record that is fitted as a whole [revolutions].
 LONGEST_WHOLE = 4000.0
 # Orders along a record are asked for every so many revolutions, at so many speeds at most; not at its ends.
-EVERY, MOST_SPEEDS, OFF_ENDS = 3.0, 400, 6.0
+EVERY, MOST_SPEEDS, OFF_ENDS = 3.0, 400, 8.0
 # An order that is not fitted is there with this share of the largest amplitude.
 REMAINS = 0.02
 # Samples of a signal to a cycle of its highest order; more are averaged.

@@ -20,6 +20,7 @@ from crankbase.diagrams import (
     legend_below,
     new_axes,
     order_line_style,
+    write_title,
 )
 from crankbase.errors import InputError
 from crankbase.frames import Axes
@@ -178,6 +179,7 @@ class Overlay(Result):
         axes = new_axes(axes)
         draw_diagram(axes, self.diagram())
         legend_below(axes, LEGEND_COLUMNS)
+        write_title(axes, self.title)
         return axes
 
     def draw(self, path: Path) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from crankfem.satellites.measured.measured_orders import MeasuredOrders
+from crankfem.satellites.measured.overlay import OrderPair, Overlay
 
 
 def two_speeds():
@@ -28,6 +29,33 @@ TABLES = {
         {"amplitude": ("rad", lambda o: np.abs(o.amplitude).ravel())},
     )
 }
+
+
+def laid_over():
+    pairs = (OrderPair(0.5, 3e-3, 120.0, 1e-5, 2e-3, 120.0, "rad"),)
+    calculated = two_speeds().amplitude / 1.5
+    return Overlay("an engine", "damper", two_speeds(), calculated, "steady", 0.0, 0.3, pairs, ())
+
+
+# Of each result: the object, options of plot(), and by label a line that must be there: x and y as drawn.
+PLOTS = {
+    "Overlay": (
+        laid_over,
+        {},
+        lambda o: {
+            "order 0.5": (
+                30.0 / np.pi * o.measured.speed,
+                np.degrees(np.abs(o.calculated[:, 0])),
+            ),
+            "order 0.5 measured": (
+                30.0 / np.pi * o.measured.speed,
+                np.degrees(np.abs(o.measured.amplitude[:, 0])),
+            ),
+        },
+    )
+}
+
+
 # Of commands that read files: a line of each. Their JSON is looked at here.
 READS = {
     "calibrate": ("calibrate", "6chn105-130", "PATH", "--at", "free end"),
