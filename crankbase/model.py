@@ -56,9 +56,9 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
             return text if text.startswith(prefix) else prefix + text
         field = prefix + _path(location)
         # What a part says of a field of its own begins with the part's section.
-        own = prefix + ".".join(part for part in location if not part.isdigit()) + "."
+        place = prefix + ".".join(part for part in location if not part.isdigit()) + "."
         return "\n".join(
-            f"{field}.{line.removeprefix(own)}" if line.startswith(own) else f"{field}: {line}"
+            f"{field}.{line.removeprefix(place)}" if line.startswith(place) else f"{field}: {line}"
             for line in text.splitlines()
         )
     name = location[0] if location else ""

@@ -463,22 +463,22 @@ def line_bends(
         if bearings
         else "without bearings"
     )
-    said = [f"the shaft line bends over {amount(length, 'm')} from the flywheel on, {held}"]
+    remarks = [f"the shaft line bends over {amount(length, 'm')} from the flywheel on, {held}"]
     if not given_places:
-        said.append(
+        remarks.append(
             "its spans are assumed as equal, and as long as classification societies allow; give "
             "shaft_line.bearings"
         )
     if bearings and not given_stiffness:
-        said.append(
+        remarks.append(
             f"its bearings are assumed to have {amount(1e10, 'N/m')} per m of its least diameter; give "
             "shaft_line.bearing_stiffness"
         )
     if without:
-        said.append(
+        remarks.append(
             f"bodies on it have no {' and no '.join(without)}, as no chain of that kind is given"
         )
-    return tuple(said)
+    return tuple(remarks)
 
 
 def without_propeller(node: str) -> str:

@@ -236,8 +236,8 @@ class _Recognition:
         try:
             throw.placed(self._gmsh, self._solid, part)
         except MeshError as error:
-            said = f"The throw seems to be symmetric but is meshed whole: {error}"
-            return replace(throw, remarks=(*throw.remarks, said))
+            remark = f"The throw seems to be symmetric but is meshed whole: {error}"
+            return replace(throw, remarks=(*throw.remarks, remark))
         return replace(throw, symmetry=part)
 
     def _end(self, field: str, named: tuple[StepFace, ...] | None, extreme: float) -> list[Face]:

@@ -359,12 +359,12 @@ class _Shaft:
                 continue
             pins = self._throws[len(throws)]
             angles = [angle_of(pin.axis) for pin in pins]
-            found = signature(self._gmsh, tag, low, high, angles)
-            found = replace(found, volume=solid.volume)
+            shape = signature(self._gmsh, tag, low, high, angles)
+            shape = replace(shape, volume=solid.volume)
             number = len(throws)
             like, change, copied = number, EQUAL, None
             for place, other in enumerate(known):
-                way = other.change_to(found)
+                way = other.change_to(shape)
                 if way == EQUAL:
                     like, change, copied = throws[place].like, throws[place].change, place
                     break
@@ -374,7 +374,7 @@ class _Shaft:
                 replace(
                     piece,
                     pins=tuple(self._pins.index(pin) for pin in pins),
-                    symmetry=found.symmetry,
+                    symmetry=shape.symmetry,
                     like=like,
                     change=change,
                     copied=copied,
@@ -383,7 +383,7 @@ class _Shaft:
                     else self._text(shapes, tag, low, angles[0], folder),
                 )
             )
-            known.append(found)
+            known.append(shape)
         return ends[0], ends[1], tuple(throws)
 
     def _text(self, shapes: str, tag: int, low: float, angle: float, folder: Path) -> str:

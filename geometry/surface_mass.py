@@ -78,15 +78,15 @@ def _oriented(faces: list[Integers]) -> list[Integers]:
     meets: dict[int, dict[int, bool]] = {place: {} for place in range(len(faces))}
     for pair in runs.values():
         if len(pair) == 2:
-            (one, forward), (other, onward) = pair
-            meets[one][other] = meets[other][one] = forward == onward
+            (face, forward), (other, onward) = pair
+            meets[face][other] = meets[other][face] = forward == onward
     turned = {0: False}
     waiting = [0]
     while waiting:
-        one = waiting.pop()
-        for other, against in meets[one].items():
+        face = waiting.pop()
+        for other, against in meets[face].items():
             if other not in turned:
-                turned[other] = turned[one] != against
+                turned[other] = turned[face] != against
                 waiting.append(other)
     if len(turned) < len(faces):
         raise MeshError("the faces of the solid do not close it.")

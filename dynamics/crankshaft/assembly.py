@@ -143,11 +143,11 @@ def join_beam(
     bending, last = around.line_beam.bending, 6 * (len(starts) - 1)
     arm = 0.0 if around.flywheel is None else around.flywheel.overhang
     moved = np.zeros((2, 2 * len(bending.places), size))
-    own = np.arange(2, 2 * len(bending.places))
+    inner = np.arange(2, 2 * len(bending.places))
     for plane, (across, tilt, sign) in enumerate(((UX, RY, 1.0), (UY, RX, -1.0))):
         moved[plane, 0, [last + across, last + tilt]] = 1.0, sign * arm
         moved[plane, 1, last + tilt] = sign
-        moved[plane, own, first + 2 * (own - 2 - own % 2) + 2 * plane + own % 2] = 1.0
+        moved[plane, inner, first + 2 * (inner - 2 - inner % 2) + 2 * plane + inner % 2] = 1.0
     held = [place for place, stiffness in around.line_beam.bearings if stiffness > 0.0]
     start = starts[-1] + arm
     return (JoinedBeam(bending, moved, start + bending.places, start + np.array(held)),)
@@ -632,8 +632,8 @@ def _rigid_motions(
     def lateral(plane: int, values: dict[int, Array | float], across: float, tilt: float) -> Array:
         column = motion(values)
         for beam in beams:
-            own = beam.motions[plane, 2:]
-            column += own.T @ beam.rigid(across, tilt, pivot)[2:]
+            motions = beam.motions[plane, 2:]
+            column += motions.T @ beam.rigid(across, tilt, pivot)[2:]
         return column
 
     if bearings.size == 0:

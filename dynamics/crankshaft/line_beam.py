@@ -81,11 +81,11 @@ class LineBeam:
         size = 2 * len(places)
         mass, springs = np.zeros((size, size)), []
         for number, part in enumerate(parts):
-            own = slice(2 * number, 2 * number + 4)
+            nodes = slice(2 * number, 2 * number + 4)
             of_part, rows = beam_element(part)
-            mass[own, own] += of_part
+            mass[nodes, nodes] += of_part
             springs.append(np.zeros((2, size)))
-            springs[-1][:, own] = rows
+            springs[-1][:, nodes] = rows
         joints = np.cumsum([0.0, *(piece.length for piece in self.pieces)])
         for joint, body, inertia in zip(joints, self.masses, self.inertias, strict=True):
             node = 2 * int(np.argmin(np.abs(places - joint)))

@@ -97,7 +97,7 @@ def ratio_fit(values: Array, ratios: Array, precision: float, degree: int = 1) -
     halves = np.asarray(0.5 * np.ptp(turned, axis=0), dtype=np.float64)
     varied = np.eye(values.shape[1], dtype=int)[halves > 0.0]
     halves = np.where(halves > 0.0, halves, 1.0)
-    products = [one + other for one, other in combinations(varied, 2)]
+    products = [first + second for first, second in combinations(varied, 2)]
     steps = varied, 2 * varied, np.reshape(products, (-1, len(halves))).astype(int)
     powers = np.zeros((1, len(halves)), dtype=int)
     for step in steps[:degree]:
@@ -181,7 +181,9 @@ def _corrections(
     members = [design for design in members if not design.added] or members
     known = [moved[design.key] for design in members]
     values = np.array([design.values for design in members])
-    answers: list[_Answers] = [(one.responses or {}, discrete_answers(one), {}) for one in known]
+    answers: list[_Answers] = [
+        (outcome.responses or {}, discrete_answers(outcome), {}) for outcome in known
+    ]
     return _ratio_fits(values, answers, MOST_DEGREE)
 
 

@@ -193,9 +193,9 @@ def check_cad(file: "EngineFile") -> None:
     wrong = {name: source for name, source in sources.items() if source not in ("fe", "fe pinned")}
     if file.strength is not None:
         wrong["strength"] = "the rule UR M53"
-    for name, given in wrong.items():
+    for name, source in wrong.items():
         raise InputError(
-            f"{name}: given {given} for throws from STEP files; allowed are finite elements, because "
+            f"{name}: given {source} for throws from STEP files; allowed are finite elements, because "
             "formulas take dimensions of webs, which such a throw does not have."
         )
 

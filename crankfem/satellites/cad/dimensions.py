@@ -49,11 +49,11 @@ def dimensions_text(analysis: ThrowAnalysis, accuracy: float) -> str:
     return "\n".join(lines)
 
 
-def _is_alike(one: ThrowAnalysis, other: ThrowAnalysis) -> bool:
+def _is_alike(solid: ThrowAnalysis, other: ThrowAnalysis) -> bool:
     ratios = (
-        other.axial_compliance() / one.axial_compliance(),
-        other.torsional_compliance() / one.torsional_compliance(),
-        other.masses.mass / one.masses.mass,
+        other.axial_compliance() / solid.axial_compliance(),
+        other.torsional_compliance() / solid.torsional_compliance(),
+        other.masses.mass / solid.masses.mass,
     )
     return max(abs(ratio - 1.0) for ratio in ratios) < LARGEST_DIFFERENCE
 
@@ -64,7 +64,7 @@ def _fitted(analysis: ThrowAnalysis) -> CrankThrow | None:
     volume = analysis.masses.mass / analysis.material.density
     points = whole_points(mesh, whole_nodes(mesh))
     left, pin, right = part.parts.cylinders
-    webs = [(one.end, two.start) for one, two in pairwise((left, pin, right))]
+    webs = [(before.end, after.start) for before, after in pairwise((left, pin, right))]
     widths, tips, feet, radii = zip(
         *(_reach(points, web, part.crank_radius) for web in webs), strict=True
     )
