@@ -24,7 +24,8 @@ from cad_files import write_shaft
 from campaigns.cad_round_trip import random_posture, random_shaft
 from crankbase.array_checks import Array
 from crankfem.files.engine.throw_file import load_crankshaft
-from crankfem.satellites.cad.free_shaft import end_analyses, free_modes
+from crankfem.satellites.cad.free_shaft import free_modes
+from crankfem.satellites.cad.run import end_analyses
 from fem.material import STEEL
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import read_part

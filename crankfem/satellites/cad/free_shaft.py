@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from crankbase.errors import MeshError
 from crankfem.analyses.shaft.whole_shaft import shaft_throws
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
@@ -17,32 +16,6 @@ from geometry.imported_shaft import EndPart, ImportedCrankshaft
 # Superelements are made for so many times the highest frequency that static ones give.
 ABOVE = 1.2
 Analyses = Mapping[ImportedThrow, ThrowAnalysis]
-
-
-def end_analyses(
-    shaft: ImportedCrankshaft,
-    accuracy: float = 0.01,
-    material: Material = STEEL,
-    tell: Callable[[str], None] = lambda _: None,
-) -> dict[ImportedThrow, ThrowAnalysis]:
-    """Analyze what is beyond the outer cuts, as throws without pins; a part that cannot be is left out.
-
-    Parameters
-    ----------
-    accuracy : float
-        Of the axial compliance.
-    tell : callable
-        Called with the name of each step.
-    """
-    analyses = {}
-    for end, name in zip(shaft.ends, ("free end", "flange end"), strict=True):
-        if end is not None and end.part is not None:
-            tell(f"Analyzing the {name}")
-            try:
-                analyses[end.part] = analyze_throw(end.part, material, accuracy)
-            except MeshError:
-                continue
-    return analyses
 
 
 def free_modes(

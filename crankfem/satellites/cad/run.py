@@ -8,14 +8,15 @@ from typing import Annotated
 import numpy as np
 
 from crankbase.array_checks import Array
+from crankbase.errors import MeshError
 from crankbase.results import Internal, Part, Quantity, Result, result
 from crankbase.sentences import amount, angle, finished, joined
 from crankbase.table import Column, Main, Table
-from crankfem.satellites.cad.free_shaft import end_analyses, free_modes
 from dynamics.crankshaft.shaft_modes import ShaftMode
 from fem.analysis import ThrowAnalysis, analyze_throw
 from fem.material import STEEL, Material
 from geometry.equal_pieces import EQUAL
+from geometry.imported import ImportedThrow
 from geometry.imported_shaft import EndPart, ImportedCrankshaft, ShaftCylinder, import_crankshaft
 from geometry.mass import MassProperties
 from geometry.solids_in_file import SolidInFile
@@ -308,6 +309,9 @@ def run_cad(
     parts = {} if accuracy is None else end_analyses(shaft, accuracy, material, tell)
     modes: tuple[ShaftMode, ...] = ()
     if free and accuracy is not None:
+        # Which imports what an engine file takes.
+        from crankfem.satellites.cad.free_shaft import free_modes
+
         known = {shaft.throws[number - 1]: analysis for number, analysis in analyses.items()}
         free_shaft = free_modes(shaft, known | parts, free, accuracy, material, tell)
         modes = tuple(map(free_shaft.described, range(free_shaft.rigid, free_shaft.rigid + free)))
@@ -322,6 +326,32 @@ def run_cad(
         if end is not None
     ]
     return CadRun(shaft, analyses, material, throws, tuple(ends), modes)
+
+
+def end_analyses(
+    shaft: ImportedCrankshaft,
+    accuracy: float = 0.01,
+    material: Material = STEEL,
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[ImportedThrow, ThrowAnalysis]:
+    """Analyze what is beyond the outer cuts, as throws without pins; a part that cannot be is left out.
+
+    Parameters
+    ----------
+    accuracy : float
+        Of the axial compliance.
+    tell : callable
+        Called with the name of each step.
+    """
+    analyses = {}
+    for end, name in zip(shaft.ends, ("free end", "flange end"), strict=True):
+        if end is not None and end.part is not None:
+            tell(f"Analyzing the {name}")
+            try:
+                analyses[end.part] = analyze_throw(end.part, material, accuracy)
+            except MeshError:
+                continue
+    return analyses
 
 
 def _throw(

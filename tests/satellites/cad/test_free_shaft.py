@@ -10,8 +10,8 @@ from cad_files import Posture, write_parts, write_shaft
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.satellites.cad.command import cad
-from crankfem.satellites.cad.free_shaft import end_analyses, free_modes
-from crankfem.satellites.cad.run import run_cad
+from crankfem.satellites.cad.free_shaft import free_modes
+from crankfem.satellites.cad.run import end_analyses, run_cad
 from fem.analysis import analyze_throw
 from fem.material import STEEL
 from geometry.crankshaft import Crankshaft, ShaftEnds, make_shaft
