@@ -206,7 +206,7 @@ test_contradictory_equations = refusals_of(
     ({"coefficients": (1.0, 2.0)}, "coefficients"),
     ({"log_factors": (True,)}, "log_factors"),
     ({"half_range": (0.25, 0.0)}, "half_range"),
-    ({"center": (0.5, np.nan)}, "center.1"),
+    ({"center": (0.5, np.nan)}, "center[1]"),
     ({"terms": ((), (0,), (1,), (1, 0))}, "terms"),
     ({"terms": ((), (0,), (1,), (2,))}, "terms"),
     ({"terms": ((), (0,), (1,), (1,))}, "terms"),
