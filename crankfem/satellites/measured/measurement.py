@@ -359,6 +359,10 @@ def load(
     toothed = Wheel.read(teeth)
     record = read_record(path, rate=rate, columns=columns, units=units)
     pulses = record.channel(wheel) if wheel else _only_wheel(record)
+    if rate is not None and pulses.si_unit == "s":
+        raise InputError(
+            f"rate: given {rate:g} 1/s; allowed is none, because {pulses.name} has times of pulses in s."
+        )
     numbered = number_teeth(_times(pulses, edge), toothed)
     measurand: Measurand = "angle"
     beside = None
@@ -412,11 +416,11 @@ def refuse_other_speeds(measured: Measurement, lowest: float, highest: float) ->
     Raises
     ------
     InputError
-        If no revolution is within a quarter of the range.
+        If most revolutions are a quarter outside the range.
     """
     positive_number("lowest", lowest, "rad/s", "an engine turns")
     _, speeds = measured.speed()
-    if np.any((speeds >= 0.75 * lowest) & (speeds <= 1.25 * highest)):
+    if 0.75 * lowest <= np.median(speeds) <= 1.25 * highest:
         return
     factor = float(np.sqrt(lowest * highest) / np.median(speeds))
     raise InputError(

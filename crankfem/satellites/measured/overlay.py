@@ -46,6 +46,8 @@ from dynamics.response.series import synthesis
 STEADY_ERROR, MOST_RAMP_ERROR = 0.02, 0.5
 # Ramps are those of one run-up if they agree within this.
 EVEN_RAMP = 0.2
+# Constants of a wheel are chosen from speeds that differ by this factor at least.
+CONSTANT_RANGE = 1.05
 # Peaks further apart than this are those of another shaft; an overlay with more left is no fit.
 SAME_PEAK, NO_FIT = 0.05, 1.0
 # Orders drawn, and those in the table, by their amplitude; angles of the mark that are tried.
@@ -73,14 +75,14 @@ class Overlay(Result):
     ----------
     measured : MeasuredOrders
         Those that are calculated too, at the speeds calculated; with the angle zero of the engine file, and
-        without the constants of the wheel, which are chosen to agree.
+        without the constants of the wheel, which are chosen to agree; at one speed half orders alone.
     calculated : ndarray of shape (m, k), complex
     by : {"steady", "run-up"}
         Of the calculated ones.
     ramp_error : float
         By which a steady response would be off at the quickest passage of a peak, n dw/dt / (z w)^2.
     difference : float
-        Root mean square of what is left, of that measured.
+        Root mean square of what is left, of that measured, with or without constants, whichever is less.
     pairs : tuple of OrderPair
     notes : tuple of str
     """
@@ -105,7 +107,7 @@ class Overlay(Result):
             f"{amount(first.measured_at, 'rad/s', 4)}, calculated {amount(first.calculated, unit, 3)} at "
             f"{amount(first.calculated_at, 'rad/s', 4)}"
         )
-        left = f"{100.0 * self.difference:.3g} % of all orders is left between them"
+        left = f"{100.0 * self.difference:.3g} % of all orders compared is left between them"
         return finished(f"{largest}; {left}.")
 
     @cached_property
@@ -262,9 +264,11 @@ def overlay(
         calculated = _steady(some, response, index)
         if error > MOST_RAMP_ERROR:
             raise _too_quick(error)
-        notes.append(
-            f"The steady response is off by up to {100.0 * error:.2g} % at the peaks, as the speed changes."
-        )
+        if error > 5e-4:
+            notes.append(
+                f"The steady response is off by up to {100.0 * error:.2g} % at the peaks, as the speed "
+                "changes."
+            )
     if not some.zero_known:
         angle = _mark_angle(some, calculated)
         turned = some.amplitude * np.exp(-1j * angle * some.orders)
@@ -273,14 +277,23 @@ def overlay(
             f"The angle of the wheel's mark is chosen to agree: {np.degrees(angle):.1f} deg; phases say no "
             "more than that."
         )
+    least = float(np.linalg.norm(some.amplitude))
     if np.any(some.wheel_constant):
-        constants = np.mean(some.amplitude - calculated, axis=0) * some.wheel_constant
-        some = replace(some, amplitude=some.amplitude - constants)
-        notes.append(
-            "The constants of the wheel in whole orders are chosen to agree, the largest "
-            f"{np.degrees(np.abs(constants).max()):.2g} deg."
-        )
-    left = float(np.linalg.norm(some.amplitude - calculated) / np.linalg.norm(some.amplitude))
+        if some.speed.max() > CONSTANT_RANGE * some.speed.min():
+            constants = np.mean(some.amplitude - calculated, axis=0) * some.wheel_constant
+            some = replace(some, amplitude=some.amplitude - constants)
+            # Constants that cancel another engine's orders are no measurement of these.
+            least = min(least, float(np.linalg.norm(some.amplitude)))
+            told = f"are chosen to agree, the largest {np.degrees(np.abs(constants).max()):.2g} deg"
+        elif np.all(some.wheel_constant):
+            told = "are in them still, because at so few speeds any would agree"
+        else:
+            free = ~some.wheel_constant
+            some = _part(some, np.ones(some.speed.size, dtype=bool), free)
+            calculated, least = calculated[:, free], float(np.linalg.norm(some.amplitude))
+            told = "would make any engine's agree at so few speeds: half orders alone are compared"
+        notes.append(f"The constants of the wheel in whole orders {told}.")
+    left = float(np.linalg.norm(some.amplitude - calculated)) / least
     pairs = [_pair(some, calculated, column) for column in range(some.orders.size)]
     pairs.sort(key=lambda pair: -pair.measured)
     return Overlay(

@@ -252,7 +252,13 @@ def _by_marks(
     Where all pitches between marks are counted, their numbers differ by whole revolutions. A mark that
     disagrees with its neighbors is a tooth that was lost; where all after it disagree, pitches were.
     """
-    what = "double tooth" if wheel.double else f"gap of {wheel.missing} teeth"
+    what = (
+        "double tooth"
+        if wheel.double
+        else "gap of one tooth"
+        if wheel.missing == 1
+        else f"gap of {wheel.missing} teeth"
+    )
     if not marks.size:
         raise _not_this(steps, wheel, f"there is no {what} among {number.size} pulses")
     usual = np.bincount(number[marks] % wheel.pitches).argmax()

@@ -175,6 +175,19 @@ def test_a_record_of_another_engine_is_refused():
         refuse_other_speeds(record, 3000.0 * RPM, 4000.0 * RPM)
 
 
+def test_a_run_up_counted_with_half_the_teeth_is_refused():
+    record = measured("60", steady_record([600.0, 1000.0, 1500.0], teeth="120")[0])
+    with refused("record"):
+        refuse_other_speeds(record, 600.0 * RPM, 1500.0 * RPM)
+
+
+def test_a_rate_for_times_of_pulses_is_refused(tmp_path):
+    file = tmp_path / "run.csv"
+    np.savetxt(file, steady_record([800.0], teeth="120")[0], header="pulse_time_s", comments="")
+    with refused("rate"):
+        load(file, teeth="120", rate=1000.0)
+
+
 def test_a_file_of_pulses_gives_orders(tmp_path):
     times, amplitudes = steady_record([800.0], teeth="120")
     file = tmp_path / "run.csv"

@@ -147,3 +147,26 @@ def test_a_run_up_integrated_apart_is_that_of_the_engine():
     steady = forced_response(response.system, response.excitation.at_speeds(np.sort(speeds)))
     apart = found.measured.amplitude[np.argsort(speeds)] - steady.motion[:, :, 0].T
     assert np.linalg.norm(apart) > 2.0 * found.difference * np.linalg.norm(found.measured.amplitude)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speeds", [slice(30, 31), slice(None)], ids=["one speed", "many"])
+def test_constants_of_the_wheel_do_not_make_another_engine_agree(speeds):
+    made = steady_orders()
+    # A four-cylinder's order 2 is large, a six-cylinder's is not.
+    amplitude = 1e-6 * np.where(made.orders % 3.0 == 0.0, 50.0, 1.0) * np.ones(made.amplitude.shape)
+    part = replace(
+        made,
+        speed=made.speed[speeds],
+        amplitude=amplitude[speeds] + 0j,
+        scatter=made.scatter[speeds],
+        correlation=made.correlation[speeds, speeds],
+        ramp=made.ramp[speeds],
+        wheel_constant=made.orders % 1.0 == 0.0,
+    )
+    found = overlay(part, vibration())
+    assert found.difference > 1.0
+    assert found.doubt.startswith("More is left")
+    if found.measured.speed.size == 1:
+        assert all(pair.order % 1.0 for pair in found.pairs)
+        assert any("half orders alone" in note for note in found.notes)
