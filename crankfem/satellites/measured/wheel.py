@@ -16,8 +16,8 @@ NEIGHBORS = 7
 # An interval below this share of a pitch has one pulse too many; a double tooth's are between these shares.
 DOUBLED = 0.4
 HALF_PITCH = (0.3, 0.7)
-# A gap may be wider by so many pitches; and by so many where the revolution has all of its pulses.
-WIDER, WIDEST = 0.7, 0.9
+# A gap may be wider by so many pitches, and by more where its revolutions have all of their pulses.
+WIDER = 0.7
 # Marks on either side that a mark must agree with, and the least share of revolutions with one.
 AGREEING, MARKED = 5, 0.5
 # More teeth lost or doubled than this share: the wheel is not as it is said to be.
@@ -224,19 +224,23 @@ def _count_whole_turns(steps: Integers, shares: Array, wheel: Wheel) -> None:
     """Set the pitches of intervals from one gap to the next with as many pulses as there are teeth.
 
     Teeth beside a gap make it wider, and so does vibration: it is the longest interval of a revolution.
+    Between two revolutions with all of their pulses it has lost no tooth beside it, however wide it is.
     """
-    from scipy.ndimage import maximum_filter
+    from scipy.ndimage import maximum_filter, median_filter
 
     gap, present = wheel.missing + 1, wheel.pitches - wheel.missing
     steps[(shares > gap) & (shares < gap + WIDER)] = gap
     longest = maximum_filter(shares, present, mode="nearest")
     gaps = np.flatnonzero((shares > gap - 0.5) & (shares == longest))
-    for begin, end in zip(gaps[:-1].tolist(), gaps[1:].tolist(), strict=True):
-        if end - begin == present:
-            steps[begin + 1 : end] = 1
-            for place in (begin, end):
-                # A wider one has lost a tooth beside it.
-                steps[place] = gap if shares[place] < gap + WIDEST else steps[place]
+    if gaps.size < 2:
+        return
+    whole = np.diff(gaps) == present
+    for begin in gaps[:-1][whole].tolist():
+        steps[begin + 1 : begin + present] = 1
+    before, behind = np.append(False, whole), np.append(whole, False)
+    # One with a lost tooth beside it is a pitch wider than its neighbors.
+    narrow = shares[gaps] < median_filter(shares[gaps], NEIGHBORS) + 0.5
+    steps[gaps[before & behind | (before | behind) & narrow]] = gap
 
 
 def _behind_gaps(steps: Integers, wheel: Wheel) -> Integers:

@@ -56,7 +56,7 @@ def test_the_same_record_in_each_format(tmp_path, kind):
 @pytest.mark.slow
 def test_orders_are_the_same_from_each_format(tmp_path):
     """Of a 60-2 wheel with 0.2 degrees of order 3; UFF text alone has fewer digits."""
-    times = np.arange(30000) / RATE
+    times = np.arange(50000) / RATE
     rigid = 2.0 * np.pi * 25.0 * times
     turned = rigid + np.radians(0.2) * np.cos(3.0 * rigid + 0.5)
     passed = np.mod(turned / (2.0 * np.pi), 1.0) < 58.0 / 60.0

@@ -56,6 +56,23 @@ def test_a_long_dropout_is_bridged_by_the_marks():
     } == {0}
 
 
+def test_a_gap_that_vibration_widens_by_a_pitch_is_the_gap():
+    """Order 6 about its peak, with teeth displaced beside the gap: it is almost 4 pitches wide."""
+    numbers = np.arange(5, 300 * 60)
+    numbers = numbers[numbers % 60 < 58]
+    off = np.zeros(60)
+    off[0], off[57] = 0.15, -0.15
+    angle = 2.0 * np.pi / 60.0 * (numbers + off[numbers % 60])
+    large = 0.035 * np.exp(-(((angle / angle[-1] - 0.5) / 0.2) ** 2))
+    times = (angle - large * np.cos(6.0 * angle - 3.77)) / 270.0
+    lost = np.arange(500, times.size, 1234)
+    gaps = np.diff(times)[numbers[:-1] % 60 == 57] / np.median(np.diff(times))
+    assert gaps.max() > 3.8
+    found = number_teeth(np.delete(times, lost), Wheel(60, 2))
+    assert np.array_equal(found.number, np.delete(numbers, lost))
+    assert (found.lost, found.unsure) == (lost.size, 0)
+
+
 def test_a_double_tooth_marks_the_revolution():
     numbers = np.arange(5, 60 * 60)
     times = times_of(numbers, 60)
