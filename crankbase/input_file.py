@@ -17,7 +17,7 @@ BEGINNINGS = (
     (b"SQLite format 3\0", "is the store of a study (SQLite); use it with fit and doe --store"),
     (b"PK\x03\x04", "is a packed file, such as one of a spreadsheet or word processor"),
     (b"%PDF", "is a PDF file"),
-    (b"ISO-10303-21", "is a STEP file; use it with throw"),
+    (b"ISO-10303-21", "is a STEP file; use it with cad (a whole crankshaft) or throw"),
     (b"<", "is a web page or a picture (HTML, XML, SVG), such as a report"),
     (b"{", JSON),
 )

@@ -44,6 +44,8 @@ THROW_FILE = "throw-{}.step"
 FREE_END_FILE, FLANGE_FILE = "free-end.step", "flange-end.step"
 # Angles are round to so many decimals; the kernel's round-off is below [deg].
 ANGLE_DECIMALS = 9
+# Of the usual units of length [m].
+UNIT_NAMES = {1e-3: "mm", 1e-2: "cm", 1.0: "m", 0.0254: "the inch", 0.3048: "the foot"}
 
 
 @result("diameter", "start", "end", "crank_radius", "angle_deg")
@@ -368,7 +370,7 @@ def _remarks(cut: CutShaft, unit: float) -> list[str]:
     ends = {THICKER: "the flange is the thicker end", GIVEN: "the free end was given"}
     why = ends.get(cut.flange_by, "both ends are equally thick, and it has the higher coordinate")
     remarks = [
-        f"The file's unit of length is {amount(unit, 'm')}.",
+        f"The file's unit of length is {UNIT_NAMES.get(round(unit, 9)) or amount(unit, 'm')}.",
         f"The shaft axis, from the free end to the flange, is {along} in the file: {why}.",
     ]
     if cut.off_line > 1e-6:

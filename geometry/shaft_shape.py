@@ -72,8 +72,8 @@ def crank_line(faces: Sequence[Face], size: float) -> Line | str:
         return f"{len(faces)} faces, {flat} of them plane, and no outer cylinder"
     most = max((len(line.rounds) for line in lines), default=0)
     if most == 0:
-        return "cylinders, none of which is whole"
-    return f"{most} whole cylinder{'s' * (most > 1)} on one line, and no crankpin beside it"
+        return "outer cylinders, none of which is whole"
+    return f"{most} whole outer cylinder{'s' * (most > 1)} on one line, and no crankpin beside it"
 
 
 def _frames(cylinders: Sequence[Face]) -> Iterator[Array]:

@@ -250,7 +250,9 @@ def _file_unit(entities: _Entities, source: str) -> float:
                 units[_unit(entities, unit, source)] = None
     if len(units) != 1:
         units_text = "no unit of length" if not units else f"{len(units)} different units of length"
-        raise InputError(f"{source}: given a STEP file with {units_text}; allowed is one with one.")
+        raise InputError(
+            f"{source}: given a STEP file with {units_text}; allowed is a whole file with one unit."
+        )
     return next(iter(units))
 
 

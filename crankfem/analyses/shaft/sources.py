@@ -47,7 +47,9 @@ def _of_each_throw(
     answers: dict[Throw, Answer] = {}
     for name, throw in engine_file.named_throws.items():
         try:
-            answers[throw] = look_up(with_dimensions(throw))
+            if not isinstance(throw, CrankThrow):
+                raise InputError(f"{Path(throw.path).name} gives no dimensions")
+            answers[throw] = look_up(throw)
         except InputError as error:
             which = f"throw {name}" if engine_file.throws_by_name else "this throw"
             raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None

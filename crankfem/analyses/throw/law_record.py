@@ -129,7 +129,7 @@ class LawResults(Result):
 def law_results(throw: Throw, material: Material, gamma_deg: float | None = None) -> LawResults:
     """Return `law_answers`, or why there are none."""
     if not isinstance(throw, CrankThrow):
-        return LawResults(None, f"It is in {Path(throw.path).name}, without dimensions.")
+        return LawResults(None, f"{Path(throw.path).name} gives no dimensions.")
     try:
         return LawResults(law_answers(throw, material, gamma_deg), None)
     except InputError as error:

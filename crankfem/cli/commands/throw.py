@@ -300,9 +300,9 @@ def export(
     from crankfem.cli.arguments import select_throw
     from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
-    from crankfem.files.sections.crank_throws import with_dimensions
     from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
+    from geometry.crankshaft import Crankshaft
     from geometry.mesher import mesh_isolated
     from geometry.solid_files import (
         LISTED_ENDINGS,
@@ -311,6 +311,7 @@ def export(
         write_mesh,
         write_step,
     )
+    from geometry.throw import CrankThrow
 
     if name is not None and shaft:
         raise InputError(
@@ -330,7 +331,13 @@ def export(
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
         check_writable(file, "solid", content.path)
         crankshaft = load_crankshaft(content) if shaft else None
-        write_step(crankshaft or with_dimensions(throw), file, part)
+        solid = throw if crankshaft is None else crankshaft
+        if not isinstance(solid, CrankThrow | Crankshaft):
+            raise InputError(
+                f"{file}: given a throw that is in {Path(solid.path).name} already; allowed is --shaft, or "
+                "the ending of a mesh."
+            )
+        write_step(solid, file, part)
         if crankshaft is not None and crankshaft.remarks:
             record["remarks"] = list(crankshaft.remarks)
     else:
@@ -395,7 +402,6 @@ def draw(
     from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
     from crankfem.files.reading.data_files import input_path
-    from crankfem.files.sections.crank_throws import with_dimensions
     from crankfem.jobs.outputs import check_distinct_files, check_writable
     from geometry.throw import CrankThrow
 
@@ -413,8 +419,13 @@ def draw(
     crankshaft = load_crankshaft(content) if shaft else None
     title = _title(content) if name is None else f"{_title(content)}, throw {name}"
     files = []
-    if isinstance(dimensions, CrankThrow) or not (picture or shaft):
-        files.append(write_drawing(with_dimensions(dimensions), drawing, title))
+    if isinstance(dimensions, CrankThrow):
+        files.append(write_drawing(dimensions, drawing, title))
+    elif not (picture or shaft):
+        raise InputError(
+            "draw: given a throw from a STEP file, without dimensions for a drawing; give --picture or "
+            "--shaft, which need none."
+        )
     if picture:
         files.append(picture_throw(dimensions, picture))
     if shaft and crankshaft:

@@ -513,7 +513,8 @@ def read_toml(file: Path | InputFiles) -> TomlFile:
     path = files.path
     if path.suffix.lower() in STEP_ENDINGS:
         raise InputError(
-            f"{path}: is a STEP file; allowed is a TOML file here, because only `crankfem throw` reads STEP."
+            f"{path}: is a STEP file; allowed is a TOML file here. `crankfem cad --engine MINE.toml` writes "
+            "one for a STEP file of a crankshaft, and `crankfem throw` reads that of a throw."
         )
     known = FILES_READ.get() if files.sent is None else None
     if known is None or path.absolute() not in known:

@@ -1,6 +1,8 @@
 """The command `cad`."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Annotated
 
 import typer
@@ -101,8 +103,9 @@ def cad(
             raise InputError(f"--engine: {engine} exists already; give a new file name.")
         check_writable(written, "input file", Path(file))
         throws = throws or str(written.with_name(f"{written.stem}-throws"))
+    new_folder = None if throws is None or os.path.lexists(throws) else throws
     folder = make_output_folder("--throws", throws, (), "solid")
-    with console.RunProgress(out.quiet) as progress:
+    with _removed_if_empty(new_folder), console.RunProgress(out.quiet) as progress:
         run = run_cad(
             file,
             solid=solid,
@@ -118,7 +121,8 @@ def cad(
             progress.step(f"Looking for dimensions of throw {number}")
             dimensions[number] = dimensions_text(analysis, accuracy)
         progress.finish()
-    files = [f"Throws: {throws} ({len(run.files)} files)"] if folder is not None else []
+    count = len(run.files)
+    files = [f"Throws: {throws} ({count} file{'s' * (count > 1)})"] if folder is not None else []
     made = {}
     if written is not None:
         write_user_file(written, engine_text(run, written, dimensions).encode())
@@ -131,14 +135,25 @@ def cad(
     out.show(parts, *files, answer)
 
 
+@contextmanager
+def _removed_if_empty(folder: str | None) -> Iterator[None]:
+    """Remove a folder in the end that nothing has been written into."""
+    try:
+        yield
+    finally:
+        if folder is not None:
+            with suppress(OSError):  # it has files
+                os.rmdir(folder)
+
+
 def _moved(texts: list[str]) -> dict[int, float]:
     """Return by how much cuts are moved [m], by number."""
     from crankbase.quantity import parse_quantity
 
     moved: dict[int, float] = {}
     for text in texts:
-        number, _, shift = text.partition("=")
-        if not number.strip().isdecimal():
+        number, equals, shift = text.partition("=")
+        if not (number.strip().isdecimal() and equals):
             raise InputError(
                 f"--cut: given {text!r}; allowed is the number of a cut and how far it moves, like "
                 '"2=3 mm", because cuts are counted from the free end.'

@@ -72,6 +72,11 @@ def engine_text(run: CadRun, path: Path, dimensions: Mapping[int, str] | None = 
         firing_order=", ".join(map(str, order)),
         highest_order=max(12, 2 * pins // strokes),
     )
+    # CAD tells neither; a V engine's shaft looks like one in line.
+    for name, why in (("cylinders", "in line, one on each pin"), ("strokes", like)):
+        text = re.sub(
+            rf"(?m)^{name} = (\d+)$", rf'{name} = {{ value = \1, assumed = "{why}" }}', text
+        )
     radius = shaft.throws[0].crank_radius
     of_solid = f'source = "{source}"'
     text = text.replace(

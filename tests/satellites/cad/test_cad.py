@@ -274,12 +274,12 @@ def built_up(shaft, gmsh):
 @pytest.mark.parametrize(
     ("build", "sentence"),
     [
-        (partial(make_rod, place=(0, 0, 0), size=0.3), "none of which is whole"),
+        (partial(make_rod, place=(0, 0, 0), size=0.3), "outer cylinders, none of which is whole"),
         (
             partial(make_camshaft, place=(0, 0, 0), size=0.3),
             "4 eccentrics that hold the shaft within",
         ),
-        (plain_shaft, "2 whole cylinders on one line, and no crankpin beside it"),
+        (plain_shaft, "2 whole outer cylinders on one line, and no crankpin beside it"),
         (lantern, "4 parallel cylinders side by side, as studs are"),
         (overhung, "an overhung crank: 1 cylinder beside the axis, beyond the last main journal"),
         (facets, "6 faces, 6 of them plane, and no outer cylinder"),
@@ -338,8 +338,10 @@ def test_two_opposite_pins_are_no_mirror_about_the_middle(dimensions, tmp_path):
 
 
 def test_command(call, file, run, four):
-    answer = call("cad", str(file), "--no-fe")
+    answer = call("cad", str(file), "--no-fe", "--full", "--throws", "kept")
     assert answer.code == 0, answer.err
+    assert "The file's unit of length is mm." in answer.out
+    assert "Throws: kept (1 file)" in answer.out
     assert "is the crankshaft: 4 throws, all of one kind, at 0 deg, 180 deg, 180 deg" in answer.out
     assert [line.split()[0] for line in answer.out.splitlines()[-4:]] == ["1", "2", "3", "4"]
     told = call("cad", str(file), "--no-fe", "--json", "--throws", "parts").json()
@@ -362,6 +364,7 @@ def test_command(call, file, run, four):
             ("--cut", "3 mm"),
             "--cut: given '3 mm'; allowed is the number of a cut and how far it moves",
         ),
+        (("--cut", "2"), "--cut: given '2'; allowed is the number of a cut and how far it moves"),
         (("--cut", "2=3 kg"), "--cut: given"),
         (("--cut", "2=3 mm", "--cut", "2=1 mm"), "--cut: given twice for cut 2; give it once."),
         (("--accuracy", "2"), "accuracy: given 2"),
@@ -371,6 +374,17 @@ def test_wrong_options(call, file, options, sentence):
     answer = call("cad", str(file), *options)
     assert (answer.code, answer.out) == (2, "")
     assert f"Error: {sentence}" in answer.err
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_refused_file_leaves_folders_as_they_were(call, tmp_path, there):
+    folder = tmp_path / "parts"
+    if there:
+        folder.mkdir()
+    wrong = tmp_path / "wrong.step"
+    wrong.write_text("ISO-10303-21;", encoding="ascii")
+    assert call("cad", str(wrong), "--throws", str(folder)).code == 2
+    assert folder.exists() is there
 
 
 def test_throws_replace_nothing_that_is_not_theirs(call, file, tmp_path):

@@ -153,6 +153,26 @@ def test_what_a_part_cannot_be_used_for_is_refused(file, old, new, reason):
     assert str(error.value).startswith(reason)
 
 
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        (
+            ("draw",),
+            "draw: given a throw from a STEP file, without dimensions for a drawing; give --picture",
+        ),
+        (
+            ("export", "new.step"),
+            "new.step: given a throw that is in throw.step already; allowed is --shaft",
+        ),
+    ],
+)
+def test_drawings_and_copies_of_a_part_are_refused(call, file, line, reason):
+    command, *rest = line
+    answer = call(command, str(file), *rest)
+    assert answer.code == 2
+    assert reason in answer.err
+
+
 @pytest.fixture(scope="module", params=["yamz-5340", "cat-3116"])
 def round_trip(request, tmp_path_factory):
     """A shipped engine, and what is written for its crankshaft and filled in with its other sections."""
@@ -181,7 +201,8 @@ def test_a_written_file_runs_unchanged(round_trip):
     assert engine.engine.stroke == close(shipped.engine.stroke, rel=1e-9)
     assert engine.throw_angles_deg == close(shipped.throw_angles_deg, abs=1e-6)
     assumed = {record.field for record in engine.records if record.assumed}
-    assert {"engine.bore", "engine.firing_order", "rod.length", "gas.peak_pressure"} <= assumed
+    assert {"engine.cylinders", "engine.strokes", "engine.bore", "engine.firing_order"} <= assumed
+    assert {"rod.length", "gas.peak_pressure"} <= assumed
     assert not {"engine.stroke", "engine.crank_angles", "throw.file"} & assumed
 
 
