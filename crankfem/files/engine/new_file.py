@@ -173,10 +173,10 @@ def even_v_angle_deg(cylinders: int, strokes: int) -> float:
 
 
 def steps_text(steps: Array) -> str:
-    """Write firing intervals [deg]."""
+    """Say how an engine fires that does so at intervals [deg]."""
     if np.ptp(steps) < np.degrees(EVEN):
         return f"every {steps[0]:.6g} deg"
-    return written(intervals_text(steps.tolist()))
+    return f"at intervals of {written(intervals_text(steps.tolist()))}"
 
 
 def _v_angle_deg(text: str, cylinders: int, strokes: int) -> float:

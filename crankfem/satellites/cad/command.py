@@ -1,6 +1,7 @@
 """The command `cad`."""
 
 import os
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Annotated
@@ -127,7 +128,7 @@ def cad(
     if written is not None:
         write_user_file(written, engine_text(run, written, dimensions).encode())
         made = {"engine": engine}
-        files.append(f"Engine file: {engine}; next: crankfem check {engine}")
+        files.append(f"Engine file: {engine}; next: crankfem check {shlex.quote(str(engine))}")
     if out.json:
         print_json(with_units(run) | made)
         return
