@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
+import crankfem.satellites.measured.calibration.fit as fitting
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.satellites.measured.calibration.agreement import agreement
 from crankfem.satellites.measured.calibration.fit import Observation, Problem, fit, profile
@@ -227,6 +228,18 @@ def test_the_opposite_sense_of_rotation_is_told():
     assert (told.status, told.slip) == ("does not fit", "the opposite sense of rotation")
 
 
+def test_a_mark_taken_one_revolution_off_is_told():
+    of, rng = shaft(), np.random.default_rng(2)
+    record = observed(of, rng.normal(size=8), PULLEY, rng)
+    turned = record.measured.amplitude * np.exp(2j * np.pi * record.measured.orders)
+    wrong = replace(record.measured, amplitude=turned)
+    told = agreement(fit(Problem(of, (replace(record, measured=wrong),))))
+    assert (told.status, told.slip) == (
+        "does not fit",
+        "an angle of the mark that is 360 deg off",
+    )
+
+
 def another_shaft() -> Shaft:
     return replace(shaft(), chain=replace(CHAIN, stiffness=0.4 * CHAIN.stiffness))
 
@@ -272,13 +285,17 @@ def test_the_right_record_fits():
         assert agreement(solved(PULLEY, seed, wheel=1.0)[0]).status == "fits"
 
 
-def gained(sensor, speed, seed: int, weak: int | None):
+def gained(sensor, speed, seed: int, weak: int | None, zero: float | None = None):
     groups = (*usual_groups()[:-1], *cylinder_groups(CYLINDERS))
     of, rng = shaft(groups), np.random.default_rng(seed)
     truth = np.concatenate((rng.normal(size=7), np.zeros(6)))
     if weak is not None:
         truth[7 + weak] = np.log(0.8) / groups[-1].deviation
     record = observed(of, truth, sensor, rng, speed=speed, wheel=1.0, floor=True)
+    if zero is not None:
+        turned = record.measured.amplitude * np.exp(-1j * record.measured.orders * zero)
+        lost = replace(record.measured, amplitude=turned, zero_known=False)
+        record = replace(record, measured=lost)
     return fit(Problem(of, (record,)))
 
 
@@ -294,6 +311,19 @@ def test_a_weak_cylinder_is_named_from_five_speeds_at_the_pulley():
         # Within 1.8 times the 95 % interval, 3.5 deviations.
         assert np.abs(np.mean(ratio)) < 0.9 * np.ptp(ratio)
         assert cylinder_gains(gained(PULLEY, FIVE, seed, None), CYLINDERS).weak == ()
+
+
+def test_a_weak_cylinder_is_not_taken_for_another_with_the_mark_elsewhere(monkeypatch):
+    best = fitting._first_angle
+
+    def misled(problem, number, start, sector=None):
+        """A healthy engine agrees best a firing interval away, as with the record of a stiff shaft."""
+        return 0.37 + 4.0 * np.pi / 3.0 if sector is None else best(problem, number, start, sector)
+
+    monkeypatch.setattr(fitting, "_first_angle", misled)
+    found = gained(PULLEY, np.linspace(110.0, 240.0, 20), 2, 2, zero=0.37)
+    assert cylinder_gains(found, CYLINDERS).weak == (CYLINDERS[2],)
+    assert abs(np.exp(0.5j * (found.parameters[13] - 0.37)) - 1.0) < 0.05
 
 
 def test_one_speed_at_the_flywheel_cannot_tell_a_weak_cylinder_and_what_would_is_named():

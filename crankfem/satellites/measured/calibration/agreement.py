@@ -7,6 +7,7 @@ import numpy as np
 
 from crankbase.array_checks import ComplexArray
 from crankfem.satellites.measured.calibration.fit import Fit, Problem, fit
+from crankfem.satellites.measured.measured_orders import MeasuredOrders
 
 # Slips of records: what was done to the amplitudes, by a factor or the sense of rotation.
 SLIPS: dict[str, complex] = {
@@ -17,6 +18,8 @@ SLIPS: dict[str, complex] = {
     "the opposite sign": -1.0,
 }
 OPPOSITE_SENSE = "the opposite sense of rotation"
+# A mark on the crankshaft passes twice in a cycle of two revolutions.
+OTHER_REVOLUTION = "an angle of the mark that is 360 deg off"
 # A slip is tried if the sizes measured are nearer to it than this factor.
 NEAR = 4.0
 # A shaft of the engine explains so much of what is measured, with no group further from its prior than this.
@@ -87,25 +90,30 @@ def _size(problem: Problem) -> float:
 
 def _slip(problem: Problem, size: float) -> str | None:
     """Return the slip that, undone, makes the shaft fit, if one does."""
-    tried: dict[str, complex | None] = {
-        name: factor
-        for name, factor in SLIPS.items()
-        if abs(np.log(size / abs(factor))) < np.log(NEAR)
-    }
+    tried = [
+        name for name, factor in SLIPS.items() if abs(np.log(size / abs(factor))) < np.log(NEAR)
+    ]
     if abs(np.log(size)) < np.log(NEAR):
-        tried[OPPOSITE_SENSE] = None
-    mended = {name: fit(_undone(problem, factor), starts=STARTS) for name, factor in tried.items()}
+        tried.append(OPPOSITE_SENSE)
+        if len(problem.angles) < len(problem.observations):
+            tried.append(OTHER_REVOLUTION)
+    mended = {name: fit(_undone(problem, name), starts=STARTS) for name in tried}
     fitting = {name: each for name, each in mended.items() if _status(each)[0] != "does not fit"}
     return min(fitting, key=lambda name: fitting[name].misfit) if fitting else None
 
 
-def _undone(problem: Problem, factor: complex | None) -> Problem:
-    """Return the problem with amplitudes over a factor, or of the opposite sense of rotation."""
+def _undone(problem: Problem, slip: str) -> Problem:
+    """Return the problem without a slip."""
 
-    def mended(values: ComplexArray) -> ComplexArray:
-        return np.conj(values) if factor is None else values / factor
+    def mended(each: MeasuredOrders) -> ComplexArray:
+        if slip == OPPOSITE_SENSE:
+            return np.conj(each.amplitude)
+        if slip == OTHER_REVOLUTION:
+            turned = np.exp(2j * np.pi * each.orders)
+            return each.amplitude * (turned if each.zero_known else 1.0)
+        return each.amplitude / SLIPS[slip]
 
-    size = 1.0 if factor is None else abs(factor)
+    size = abs(SLIPS.get(slip, 1.0))
     return Problem(
         problem.shaft,
         tuple(
@@ -113,7 +121,7 @@ def _undone(problem: Problem, factor: complex | None) -> Problem:
                 each,
                 measured=replace(
                     each.measured,
-                    amplitude=mended(each.measured.amplitude),
+                    amplitude=mended(each.measured),
                     scatter=each.measured.scatter / size,
                 ),
             )

@@ -29,6 +29,7 @@ from crankfem.satellites.measured.calibration.fitted_engine import FittedEngine,
 from crankfem.satellites.measured.calibration.gains import Gains, cylinder_gains
 from crankfem.satellites.measured.calibration.groups import MODAL
 from crankfem.satellites.measured.calibration.identifiability import (
+    Further,
     directions,
     further_measurements,
     remedies,
@@ -298,11 +299,15 @@ def calibrate(
     agreed = agreement(solved)
     tell("Finding what the records cannot tell")
     names, date = [*records], datetime.now(UTC).date().isoformat()
-    further = further_measurements(solved, _further_speeds(model, solved), model.excitation)
+    # What does not fit has values at which nothing can be calculated, nor told.
+    fits = agreed.status != "does not fit"
+    further: Sequence[Further] = ()
+    if fits:
+        further = further_measurements(solved, _further_speeds(model, solved), model.excitation)
     told: Gains | None = cylinder_gains(solved, model.cylinders, further) if gains else None
-    fitted = fitted_engine(model, solved, names, date)
-    verdict, files = None, list[str]()
-    if agreed.status != "does not fit":
+    fitted, verdict, files = None, None, list[str]()
+    if fits:
+        fitted = fitted_engine(model, solved, names, date)
         remarks += tuple(f"No field of the file holds {text}." for text in fitted.left_out)
         if output is not None:
             files = [str(path) for path in fitted.write(Path(output))]
@@ -330,7 +335,7 @@ def calibrate(
                 tuple(remedy.what for remedy in remedies(each, further)[:MOST_REMEDIES]),
             )
             for each in directions(solved)
-            if each.untold
+            if each.untold and fits
         ),
         residuals=_residuals(solved, names),
         predicted=tuple(

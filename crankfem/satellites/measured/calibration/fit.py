@@ -18,13 +18,15 @@ STARTS, SEED = 6, 0
 # They use so many speeds of a record, evenly spread; the best one is then fitted to all.
 SPEEDS_OF_STARTS = 40
 MOST_STEPS = 60
+# No step goes further from the prior, in deviations: nothing can be calculated there.
+FARTHEST = 15.0
 # Residuals of so many deviations are weighed as outliers (soft L1).
 OUTLYING = 2.0
 # Two-sided 95 % of the normal distribution, and when a profile's end is met, as a share.
 NORMAL95, END_MET = 1.959964, 0.01
 PROFILE_STEPS = 6
 # Angles tried for a record whose zero is unknown, over its cycle.
-ANGLES = 180
+ANGLES, SECTORS = 180, 12
 # Share of the values with which the mean square is as sure as their median is.
 MEDIAN_KNOWS = 0.37
 # With fewer values beyond the parameters than this the noise told is trusted as it is.
@@ -298,12 +300,17 @@ def fit(
     thin = problem.thinned(SPEEDS_OF_STARTS)
     drawn = np.random.default_rng(seed).normal(size=(starts, problem.size))
     drawn[0] = 0.0
+    # A weak cylinder is like another one with the zero in another part of the cycle: each part is tried.
+    sectors = SECTORS if problem.angles else 0
+    drawn = np.vstack((drawn, np.zeros((sectors, problem.size))))
     ends = []
     for number, start in enumerate(drawn):
-        tell(f"Fitting from start {number + 1} of {starts}")
+        tell(f"Fitting from start {number + 1} of {len(drawn)}")
         start[problem.groups :] = 0.0
         for which in problem.angles:
-            start[problem.angles[which]] = _first_angle(thin, which, start)
+            start[problem.angles[which]] = _first_angle(
+                thin, which, start, number - starts if number >= starts else None
+            )
         rows = _Rows(thin)
         ends.append(
             least_squares(
@@ -325,17 +332,28 @@ def fit(
             ftol=1e-6,
             max_nfev=MOST_STEPS,
         ).x[: problem.size]
-    return _judged(problem, np.asarray(found), robust, tuple(float(end.cost) for end in ends))
+    return _judged(
+        problem, np.asarray(found), robust, tuple(float(end.cost) for end in ends[:starts])
+    )
 
 
-def _first_angle(problem: Problem, number: int, start: Array) -> float:
-    """Return the zero angle [rad] at which an observation agrees best with the model at a start."""
+def _first_angle(problem: Problem, number: int, start: Array, sector: int | None = None) -> float:
+    """Return the zero angle [rad] at which an observation agrees best with the model at a start.
+
+    Of a cycle, or of one of its `SECTORS`.
+    """
     measured = problem.observations[number].measured
     y, _ = problem.predicted(start, number)
     weighed = np.sum(np.conj(measured.amplitude) * y / measured.scatter**2, axis=0)
     tried = np.linspace(0.0, 2.0 * np.pi * measured.cycle, ANGLES, endpoint=False)
+    if sector is not None:
+        tried = np.array_split(tried, SECTORS)[sector]
     agreement = (np.exp(-1j * np.outer(tried, measured.orders)) @ weighed).real
     return float(tried[int(np.argmax(agreement))])
+
+
+def _too_far(parameters: Array, problem: Problem) -> bool:
+    return bool(np.max(np.abs(parameters[: problem.groups])) > FARTHEST)
 
 
 class _Rows:
@@ -347,6 +365,8 @@ class _Rows:
         self._made: tuple[Array, Array] = np.zeros(0), np.zeros((0, 0))
 
     def residuals(self, parameters: Array) -> Array:
+        if _too_far(parameters, self._problem):
+            return np.full_like(self._made[0], np.inf)  # least_squares then takes a shorter step
         return self._all(parameters)[0]
 
     def jacobian(self, parameters: Array) -> Array:
@@ -404,6 +424,8 @@ class _WithConstants:
 
     def residuals(self, values: Array) -> Array:
         size, groups = self._problem.size, self._problem.groups
+        if _too_far(values, self._problem):
+            return np.full(self._shares.size + groups, np.inf)
         off, _ = self._data(values[:size])
         return np.concatenate((off + self._constants @ values[size:], values[:groups]))
 

@@ -35,7 +35,7 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
         (Column("told by records", "%", 3), lambda row: row.told),
         main=True,
     )
-    if made.cylinders:
+    if made.cylinders and made.status != "does not fit":
         yield Table.of_records(
             "Gas torque of each cylinder over the mean of the others, with 95 % intervals",
             made.cylinders,
@@ -61,7 +61,7 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
             f"amplitudes within the 95 % band, whose half width is {100.0 * each.band:.2g} % at the median."
         )
     yield from (Main(_direction(each)) for each in made.untold)
-    if made.cylinders:
+    if made.cylinders and made.status != "does not fit":
         yield Main(_cylinders(made))
     if made.verdict is not None:
         yield _limits(made.verdict)
