@@ -88,9 +88,10 @@ from fem.symmetry import (
     unit_pin_loads,
 )
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
+from geometry.any_throw import Throw
 from geometry.mass import MassProperties, mass_properties
 from geometry.mesh import ThrowMesh
-from geometry.mesher import Mesher, Throw, expected_unknowns, mesh_isolated
+from geometry.mesher import Mesher, expected_unknowns, mesh_isolated
 from geometry.sizes import SizeMap, element_sizes, sizes_at_corners
 from geometry.throw import CrankThrow
 

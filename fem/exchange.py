@@ -17,9 +17,9 @@ from fem.solver import QUADRATURE_ORDER
 from fem.superelement import CondensedClass
 from fem.symmetry import RIGID, radial_directions
 from fem.whole_throw import whole_elements, whole_points, whole_surfaces
+from geometry.any_throw import Throw
 from geometry.mesh import ThrowMesh
 from geometry.mesh_exchange import meshio_mesh
-from geometry.mesher import Throw
 from geometry.shapes import facet_keys
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from fem.material import Material
 from fem.solver import SharedSolver, assemble_stiffness
 from fem.superelement import CondensedClass, Superelement, checked_superelement, condense
 from fem.symmetry import mirror_images, radial_directions, symmetry_classes, unit_pin_loads
+from geometry.any_throw import Throw
 from geometry.mesh import ThrowMesh
-from geometry.mesher import Throw
 
 
 @dataclass(frozen=True)

@@ -45,8 +45,8 @@ from fem.symmetry import (
     unit_pin_loads,
 )
 from fem.whole_throw import WholeNodes, whole_facets, whole_nodes
+from geometry.any_throw import Throw
 from geometry.mesh import ThrowMesh, six_node_triangles
-from geometry.mesher import Throw
 from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
 from geometry.shapes import EDGES, element_volumes, quadrature, shapes_at_nodes, triangle_shapes_at
 from geometry.sizes import SizeMap, element_sizes, sizes_at_corners

@@ -80,8 +80,9 @@ from fem.material import STEEL, Material
 from fem.superelement import EndSections
 from fem.symmetry import mirror_images, radial_directions
 from fem.wished_accuracy import STRESS_ACCURACY
+from geometry.any_throw import Throw
 from geometry.mesh import ThrowMesh
-from geometry.mesher import Mesher, Throw, mesh_isolated
+from geometry.mesher import Mesher, mesh_isolated
 from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
 from geometry.sizes import SizeMap
 from geometry.throw import CrankThrow

@@ -1,7 +1,8 @@
 """The first mesh of an analysis, which can be begun while what solves is loaded."""
 
+from geometry.any_throw import Throw
 from geometry.gmsh_session import shared_process
-from geometry.mesher import Throw, expected_unknowns
+from geometry.mesher import expected_unknowns
 from geometry.throw import CrankThrow
 
 # Size factor of the first mesh, and from which accuracy on it is how much coarser: answers are then within

@@ -29,8 +29,8 @@ from scipy.linalg import block_diag
 from crankbase.array_checks import Array, Flags, Integers
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, quoted
+from geometry.any_throw import Throw
 from geometry.mesh import ThrowMesh, six_node_triangles
-from geometry.mesher import Throw
 from geometry.shapes import quadrature, triangle_shapes_at
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
 

@@ -16,6 +16,7 @@ from crankbase.frames import Axes
 from crankbase.model import InputModel, length_field
 from crankbase.quantity import format_quantity
 from crankbase.summaries import frozen
+from geometry.any_throw import Throw
 from geometry.gmsh_session import gmsh_errors, shared_process
 from geometry.mass import (
     MassProperties,
@@ -27,7 +28,7 @@ from geometry.mass import (
     unbalance,
 )
 from geometry.mesh import SOLID_VOLUME_TOLERANCE, SolidProperties, built_solid, solid_properties
-from geometry.mesher import TIME_LIMIT, Throw
+from geometry.mesher import TIME_LIMIT
 from geometry.solid import Entity, make_solid, remove_loose
 from geometry.throw import CrankThrow
 

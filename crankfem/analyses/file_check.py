@@ -40,7 +40,7 @@ from crankfem.files.sections.engine_sections import Engine, ThrustBearing
 from dynamics.chains.coupling_damping import in_all_conventions
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 from geometry.throw import CrankThrow
 from regression.plans.plan import PlannedStudy
 from regression.records import RUN

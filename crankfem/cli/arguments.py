@@ -14,7 +14,7 @@ from crankbase.sentences import amount
 from crankfem.cli import console
 from crankfem.files.sections.crank_throws import with_dimensions
 from fem.material import STEEL, Material
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from study_tools import environment, said
 from crankfem.files.engine.engine_file import load_engine
 from fem.analysis import analyze_throw, predicted_unknowns, solving_memory
 from fem.fillet_stress import fillet_stresses
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 
 ALLOWED = 0.30
 # Unknowns are predicted for throws whose errors fall slowly: others take fewer.

@@ -24,7 +24,7 @@ from crankfem.files.sections.crank_throws import with_dimensions
 from crankfem.files.sections.engine_sections import VibrationSettings
 from dynamics.assessment.uncertainty import Spread
 from fem.material import Material
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.case import FormulaValue

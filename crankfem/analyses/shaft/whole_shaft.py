@@ -55,7 +55,7 @@ from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.loads import checked_power_balance
 from dynamics.response.order_excitation import OrderExcitation
 from fem.modes import DynamicSuperelement
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 
 # Share of critical damping that belongs to the assumed magnifier.
 ASSUMED_RATIO = 0.5 / DEFAULT_MAGNIFIER

@@ -31,7 +31,7 @@ from fem.angle_law import AngleNumbers, is_symmetric
 from fem.material import STEEL, Material
 from fem.plots import ANGLES_DEG
 from fem.supports import Neighbors
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
 from regression.formulas.case import FormulaValue

@@ -13,7 +13,7 @@ from crankbase.sentences import kept
 from crankbase.table import SI, OutputUnits
 from crankfem.files.sections.crank_throws import with_dimensions
 from fem.material import Material
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import AxialLaw, TorsionalLaw, throw_laws

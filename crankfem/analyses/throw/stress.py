@@ -29,7 +29,7 @@ from fem.fillet_peaks import (
     ReadingQuality,
 )
 from fem.material import Material
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 from geometry.throw import CrankThrow
 
 # Of the largest stresses: enough to compare fillets and to see which is the weakest.

@@ -25,9 +25,9 @@ from fem.solver import asymmetry
 from fem.superelement import superelement_of_end_forces
 from fem.supports import Compliances, Neighbors, Support, reactions
 from fem.symmetry import Sections
+from geometry.any_throw import Throw
 from geometry.boundary_motion import ZERO
 from geometry.mass import Unbalance, unbalance
-from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.peak_cause import PeakCause, peak_cause
 from dynamics.response.series import OrderSeries
 from fem.superelement import ShaftCompliances
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 
 
 @dataclass(frozen=True, eq=False)

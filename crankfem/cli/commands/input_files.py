@@ -16,7 +16,7 @@ from crankfem.files.reading.data_files import input_kinds
 from crankfem.files.satellites import satellite_files
 
 if TYPE_CHECKING:
-    from geometry.mesher import Throw
+    from geometry.any_throw import Throw
 
 
 @with_output(files=True, units=True)

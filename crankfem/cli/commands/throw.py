@@ -23,7 +23,7 @@ from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 if TYPE_CHECKING:
     from crankfem.files.reading.toml_file import TomlFile
     from fem.material import Material
-    from geometry.mesher import Throw
+    from geometry.any_throw import Throw
 
 
 PinsOption = Annotated[

@@ -17,7 +17,7 @@ from crankbase.model import InputModel, field_extra
 from crankbase.quantity import format_quantity
 from crankfem.files.reading.toml_file import InputRecord
 from crankfem.files.reading.toml_text import field_value
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 from geometry.throw import CrankThrow
 
 SOURCE = "changed in Python"

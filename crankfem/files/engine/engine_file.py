@@ -93,8 +93,8 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import EnginePower, indicated_power
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
+from geometry.any_throw import Throw
 from geometry.crankshaft import Crankshaft, ShaftEnds, throw_starts
-from geometry.mesher import Throw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

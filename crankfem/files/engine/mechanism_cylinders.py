@@ -25,8 +25,8 @@ from dynamics.engine.layout import (
     repeating_intervals,
 )
 from dynamics.engine.rods import ConnectingRod
+from geometry.any_throw import Throw
 from geometry.crankshaft import throw_starts
-from geometry.mesher import Throw
 
 # Inertia of a rod beside that of two masses at its pins, from light to heavy ends.
 USUAL_INERTIA = (0.7, 1.2)

@@ -22,7 +22,7 @@ from crankfem.files.sections.crank_throws import (
     throws_along_shaft,
 )
 from fem.material import STEEL, Material
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 
 if TYPE_CHECKING:
     from geometry.crankshaft import Crankshaft

@@ -17,7 +17,7 @@ from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
-from geometry.mesher import Throw
+from geometry.any_throw import Throw
 from geometry.throw import CrankThrow
 
 # What the one throw of a plain file is called among throws by name.

@@ -39,9 +39,9 @@ from crankfem.report.interactive.style import (
 from fem.analysis import ThrowAnalysis
 from fem.fillet_peaks import FilletStresses
 from fem.whole_throw import whole_facets, whole_nodes, whole_points
+from geometry.any_throw import Throw
 from geometry.crankshaft import Crankshaft
 from geometry.mesh import SUBTRIANGLES
-from geometry.mesher import Throw
 
 # An angle between faces that makes an edge [deg].
 SHARP = 30.0

@@ -18,8 +18,9 @@ from crankfem.analyses.throw.pictures.stress_picture import (
 )
 from crankfem.analyses.throw.pictures.stress_rendering import Scene
 from fem.whole_throw import whole_facets, whole_nodes, whole_points
+from geometry.any_throw import Throw
 from geometry.crankshaft import Crankshaft
-from geometry.mesher import Throw, mesh_isolated
+from geometry.mesher import mesh_isolated
 from geometry.solid import BORE, COUNTERWEIGHT, FILLET, LEFT_END, RIGHT_END, WEB
 
 Numbers = Integers
