@@ -34,6 +34,12 @@ def model() -> EngineModel:
     return EngineModel(engine_vibration(engine, analysis=run().analyses))
 
 
+def calculated(engine, *, analysis=None, step=None):
+    """Vibration of an engine: that of the maker's values is calculated once for all tests."""
+    same = engine == model().engine_file
+    return model().run if same else engine_vibration(engine, analysis=run().analyses)
+
+
 def measured(place: str = "free end", groups: dict[str, float] = FIELDS, seed: int = 0):
     """Orders of the engine with other values at a place, with noise and the constants of a wheel."""
     of, rng = model(), np.random.default_rng(seed)

@@ -1,26 +1,36 @@
 """The command `calibrate`: what it prints, its JSON, what it refuses."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import typer
 from scipy.interpolate import CubicSpline
+from typer.testing import CliRunner
 
 import crankfem as cf
 from crankfem.files.engine.engine_file import load_engine
+from crankfem.satellites.measured.calibration import calibrated
 from crankfem.satellites.measured.calibration.command import calibrate
 from crankfem.satellites.measured.calibration.response_slopes import Sensor
-from measured_engines import ENGINE, FIELDS, ORDERS, TRUTH, measured, model, written
+from measured_engines import ENGINE, FIELDS, ORDERS, TRUTH, calculated, measured, model, written
 from stand_ins import caller_of
 
+pytestmark = pytest.mark.slow
 MOVES = [word for name, share in FIELDS.items() for word in ("--move", f"{name}={share:.0%}")]
 
 
 @pytest.fixture
-def call():
+def app(monkeypatch):
+    monkeypatch.setattr(calibrated, "engine_vibration", calculated)
     app = typer.Typer()
     app.command()(calibrate)
+    return app
+
+
+@pytest.fixture
+def call(app):
     return caller_of(app)
 
 
@@ -32,6 +42,7 @@ def orders(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.further
 def test_json_has_factors_verdict_and_files(call, orders):
     places = ("--at", "free end", "--at", "flywheel", "--predict", "flywheel.csv")
     told = json.loads(call(ENGINE, "run.csv", *places, *MOVES, "--output", "fitted.toml", "--json"))
@@ -84,6 +95,7 @@ def pulse_times(seconds: float = 40.0):
     return np.interp(passed, rigid, time)
 
 
+@pytest.mark.further
 def test_a_record_of_pulses_is_fitted(call, orders):
     """From pulse times of a wheel to the truth, by whole orders less its constants, the zero known."""
     times = "\n".join(f"{time:.9f}" for time in pulse_times())
@@ -95,6 +107,17 @@ def test_a_record_of_pulses_is_fitted(call, orders):
         factor = np.exp(truth * np.log1p(FIELDS[group["name"]]) / 2.0)
         width = np.log(group["high"] / group["low"])
         assert abs(np.log(group["factor"] / factor)) < max(width, 0.01), group
+
+
+def test_records_that_do_not_fit_end_with_a_code(app, orders):
+    record = measured()
+    written(replace(record, amplitude=60.0 * record.amplitude), orders / "wrong.csv")
+    words = (ENGINE, "wrong.csv", "--at", "free end", *MOVES, "--json")
+    answer = CliRunner().invoke(app, words)
+    assert (answer.exit_code, json.loads(answer.stdout)["status"]) == (0, "does not fit")
+    answer = CliRunner().invoke(app, (*words, "--output", "fitted.toml"))
+    assert (answer.exit_code, json.loads(answer.stdout)["status"]) == (2, "does not fit")
+    assert not (orders / "fitted.toml").exists()
 
 
 @pytest.mark.parametrize(

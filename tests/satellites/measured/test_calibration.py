@@ -1,5 +1,6 @@
 """Fits to simulated records of the six-cylinder chain, and to a printed stress."""
 
+import itertools
 import time
 from dataclasses import replace
 
@@ -45,8 +46,20 @@ def solved(sensor, seed: int, robust: bool = True, of: Shaft | None = None, **op
     return fit(Problem(of, (observed(of, truth, sensor, rng, **options),)), robust=robust), truth
 
 
-@pytest.mark.parametrize("sensor", [PULLEY, FLYWHEEL], ids=["pulley", "flywheel"])
-@pytest.mark.parametrize("options", [{}, {"wheel": 1.0}, {"wheel": 1.0, "shared": 0.75}], ids=repr)
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("sensor", "options"),
+    [
+        (PULLEY, {"wheel": 1.0, "shared": 0.75}),
+        *(
+            pytest.param(sensor, options, marks=pytest.mark.further)
+            for sensor, options in (
+                (FLYWHEEL, {"wheel": 1.0, "shared": 0.75}),
+                *itertools.product((PULLEY, FLYWHEEL), ({}, {"wheel": 1.0})),
+            )
+        ),
+    ],
+)
 def test_intervals_hold_the_truth(sensor, options):
     """Of 6 records with 8 values each, binomial limits of 95 %; `tests/campaigns/calibration.py` has 200."""
     held = misfits = 0
@@ -58,6 +71,7 @@ def test_intervals_hold_the_truth(sensor, options):
     assert abs(misfits / 6 - 1.0) < 0.05
 
 
+@pytest.mark.further
 def test_constants_of_a_wheel_are_fatal_if_they_are_not_known():
     """Ignored, they throw what is stiff in the fit off; the misfit tells it."""
     of, rng = shaft(), np.random.default_rng(3)
@@ -71,6 +85,7 @@ def test_constants_of_a_wheel_are_fatal_if_they_are_not_known():
     assert agreement(blind).status == "does not fit"
 
 
+@pytest.mark.slow
 def test_overlapping_windows_count_once():
     """Four times the windows with three quarters shared tell hardly more than the windows apart."""
     of, truth = shaft(), np.zeros(8)
@@ -95,6 +110,7 @@ def test_overlapping_windows_count_once():
     assert np.max(apart.deviations / shared.deviations) < 1.15
 
 
+@pytest.mark.further
 def test_outliers_are_weighed_less():
     """With 1 % of values twenty deviations off, the robust fit is as sure as before and right."""
     damping = slice(5, 7)
@@ -108,6 +124,7 @@ def test_outliers_are_weighed_less():
     assert errors[True] < 1.1 * clean < 0.7 * errors[False]
 
 
+@pytest.mark.slow
 def test_profile_agrees_with_the_linear_interval_where_the_model_is_nearly_linear():
     found, _ = solved(PULLEY, 4)
     for number in (4, 6):
@@ -130,6 +147,7 @@ def test_profile_is_skewed_where_the_model_is_not_linear():
     assert np.log(value / low) > 1.1 * np.log(high / value)
 
 
+@pytest.mark.slow
 def test_a_null_direction_is_named_and_never_narrow():
     for seed in range(3):
         for sensor in (PULLEY, FLYWHEEL):
@@ -145,6 +163,7 @@ def test_a_null_direction_is_named_and_never_narrow():
             assert np.ptp(list(named.values())) < 1e-9
 
 
+@pytest.mark.slow
 def test_what_tells_a_null_direction_is_named_or_that_nothing_does():
     found, _ = solved(PULLEY, 1)
     weakest, *_ = directions(found)
@@ -206,7 +225,18 @@ SLIPS = {
 }
 
 
-@pytest.mark.parametrize("slip", SLIPS)
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "slip",
+    [
+        "degrees for radians",
+        "radians for degrees",
+        *(
+            pytest.param(slip, marks=pytest.mark.further)
+            for slip in ("a thousand for one", "the opposite sign")
+        ),
+    ],
+)
 def test_a_slip_is_told(slip):
     of, rng = shaft(), np.random.default_rng(2)
     record = observed(of, rng.normal(size=8), PULLEY, rng, wheel=1.0)
@@ -220,6 +250,7 @@ def test_a_slip_is_told(slip):
     assert (told.status, told.slip) == ("does not fit", slip)
 
 
+@pytest.mark.further
 def test_the_opposite_sense_of_rotation_is_told():
     of, rng = shaft(), np.random.default_rng(2)
     record = observed(of, rng.normal(size=8), PULLEY, rng)
@@ -228,6 +259,7 @@ def test_the_opposite_sense_of_rotation_is_told():
     assert (told.status, told.slip) == ("does not fit", "the opposite sense of rotation")
 
 
+@pytest.mark.further
 def test_a_mark_taken_one_revolution_off_is_told():
     of, rng = shaft(), np.random.default_rng(2)
     record = observed(of, rng.normal(size=8), PULLEY, rng)
@@ -240,11 +272,18 @@ def test_a_mark_taken_one_revolution_off_is_told():
     )
 
 
+SENSORS = [
+    pytest.param(PULLEY, id="pulley"),
+    pytest.param(FLYWHEEL, id="flywheel", marks=pytest.mark.further),
+]
+
+
 def another_shaft() -> Shaft:
     return replace(shaft(), chain=replace(CHAIN, stiffness=0.4 * CHAIN.stiffness))
 
 
-@pytest.mark.parametrize("sensor", [PULLEY, FLYWHEEL], ids=["pulley", "flywheel"])
+@pytest.mark.slow
+@pytest.mark.parametrize("sensor", SENSORS)
 def test_another_shaft_does_not_fit(sensor):
     record = observed(another_shaft(), np.zeros(8), sensor, np.random.default_rng(0))
     told = agreement(fit(Problem(shaft(), (record,))))
@@ -252,6 +291,7 @@ def test_another_shaft_does_not_fit(sensor):
     assert told.slip is None
 
 
+@pytest.mark.further
 @pytest.mark.parametrize("sensor", [PULLEY, FLYWHEEL], ids=["pulley", "flywheel"])
 def test_another_engine_does_not_fit(sensor):
     """One that fires in another order."""
@@ -264,6 +304,7 @@ def test_another_engine_does_not_fit(sensor):
     assert told.slip is None
 
 
+@pytest.mark.slow
 def test_pressure_for_torque_is_told():
     """Refused by its name; as torque by its unit, its orders do not fit, and no slip explains them."""
     with pytest.raises(cf.InputError, match="given orders of pressure"):
@@ -280,6 +321,7 @@ def test_pressure_for_torque_is_told():
     assert told.size > 100.0
 
 
+@pytest.mark.slow
 def test_the_right_record_fits():
     for seed in range(3):
         assert agreement(solved(PULLEY, seed, wheel=1.0)[0]).status == "fits"
@@ -302,6 +344,7 @@ def gained(sensor, speed, seed: int, weak: int | None, zero: float | None = None
 FIVE = np.linspace(110.0, 240.0, 5)
 
 
+@pytest.mark.slow
 def test_a_weak_cylinder_is_named_from_five_speeds_at_the_pulley():
     for seed in range(4):
         gains = cylinder_gains(gained(PULLEY, FIVE, seed, seed), CYLINDERS)
@@ -313,6 +356,7 @@ def test_a_weak_cylinder_is_named_from_five_speeds_at_the_pulley():
         assert cylinder_gains(gained(PULLEY, FIVE, seed, None), CYLINDERS).weak == ()
 
 
+@pytest.mark.further
 def test_a_weak_cylinder_is_not_taken_for_another_with_the_mark_elsewhere(monkeypatch):
     best = fitting._first_angle
 
@@ -326,6 +370,7 @@ def test_a_weak_cylinder_is_not_taken_for_another_with_the_mark_elsewhere(monkey
     assert abs(np.exp(0.5j * (found.parameters[13] - 0.37)) - 1.0) < 0.05
 
 
+@pytest.mark.slow
 def test_one_speed_at_the_flywheel_cannot_tell_a_weak_cylinder_and_what_would_is_named():
     found = gained(FLYWHEEL, FIVE[1:2], 0, 3)
     further = further_measurements(found, {"five speeds": FIVE}, excitation)
@@ -392,6 +437,7 @@ def test_loss_factor_of_a_coupling_from_a_printed_stress():
     assert found.misfit < found.limit
 
 
+@pytest.mark.slow
 def test_a_large_fit_takes_less_than_two_seconds():
     """400 speeds, 24 orders, 8 groups, six starts, the constants of a wheel, robust."""
     of, rng = shaft(), np.random.default_rng(0)
@@ -402,6 +448,7 @@ def test_a_large_fit_takes_less_than_two_seconds():
     assert time.process_time() - before < 2.0
 
 
+@pytest.mark.slow
 def test_misfit_of_a_single_speed_is_that_of_half_orders():
     """Constants of a wheel take whole orders at one speed altogether: they tell nothing of the misfit."""
     misfits = [

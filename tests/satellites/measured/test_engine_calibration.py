@@ -10,6 +10,7 @@ import crankfem as cf
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
+from crankfem.satellites.measured.calibration import calibrated
 from crankfem.satellites.measured.calibration.calibrated import calibrate
 from crankfem.satellites.measured.calibration.engine_problem import EngineModel
 from crankfem.satellites.measured.calibration.groups import parsed_group
@@ -22,11 +23,19 @@ from measured_engines import (
     ORDERS,
     TRUTH,
     WITH_THROWS,
+    calculated,
     measured,
     model,
     run,
     written,
 )
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(autouse=True)
+def calculated_once(monkeypatch):
+    monkeypatch.setattr(calibrated, "engine_vibration", calculated)
 
 
 def test_amplitudes_with_the_makers_values_are_those_of_the_verdict():
@@ -91,6 +100,7 @@ def test_fields_are_written_with_source_interval_and_tolerance(tmp_path):
     made.to_json()
 
 
+@pytest.mark.further
 def test_compliances_of_throws_become_a_chain_of_the_plant(tmp_path):
     path = tmp_path / "fitted.toml"
     record = measured(groups=WITH_THROWS)

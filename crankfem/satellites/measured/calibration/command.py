@@ -6,6 +6,7 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands.options import EngineArgument, Output, with_output
+from crankfem.jobs.exit_codes import EXIT_INPUT
 
 
 @with_output(units=True, files=True, source="engine")
@@ -130,6 +131,10 @@ def calibrate(
         progress.finish()
     if out.json:
         console.print_json(with_units(made))
-        return
-    *parts, answer = calibration_parts(made)
-    out.show(parts, *(f"Written: {path}" for path in made.files), answer)
+    else:
+        *parts, answer = calibration_parts(made)
+        out.show(parts, *(f"Written: {path}" for path in made.files), answer)
+    if output is not None and not made.files:
+        console.exit_by_verdict(
+            f"Error: --output: {output} is not written, because the records do not fit.", EXIT_INPUT
+        )
