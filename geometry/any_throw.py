@@ -1,8 +1,10 @@
 """A throw: one of dimensions, or a part whose shape is in a file."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from crankbase.errors import InputError
 from geometry.parts import Cylinder, ThrowParts
 from geometry.throw import CrankThrow
 
@@ -112,3 +114,18 @@ class CadPart(Protocol):
 
 
 Throw = CrankThrow | CadPart
+
+
+def dimensioned(throws: Mapping[str, Throw]) -> dict[str, CrankThrow]:
+    """Return the throws with dimensions: rules and formulas take no others."""
+    return {name: throw for name, throw in throws.items() if isinstance(throw, CrankThrow)}
+
+
+def with_dimensions(throw: Throw) -> CrankThrow:
+    """Return a throw with dimensions; `InputError` for one from a STEP file."""
+    if isinstance(throw, CrankThrow):
+        return throw
+    raise InputError(
+        f"throw: given that of {Path(throw.path).name}; allowed here are throws of dimensions, which a STEP "
+        "file does not give."
+    )

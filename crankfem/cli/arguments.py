@@ -12,9 +12,8 @@ from crankbase.model import limits_of, range_text
 from crankbase.quantity import format_quantity, parse_quantity
 from crankbase.sentences import amount
 from crankfem.cli import console
-from crankfem.files.sections.crank_throws import with_dimensions
 from fem.material import STEEL, Material
-from geometry.any_throw import Throw
+from geometry.any_throw import Throw, with_dimensions
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

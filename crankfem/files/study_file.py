@@ -12,9 +12,10 @@ from crankbase.input_file import CSV, LARGEST_TABLE_FILE, InputFile
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import parse_quantity
 from crankfem.files.reading.toml_file import TomlFile
-from crankfem.files.sections.crank_throws import Throws, throw_of_name, with_dimensions
+from crankfem.files.sections.crank_throws import Throws, throw_of_name
 from fem.material import Material
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
+from geometry.any_throw import with_dimensions
 from geometry.throw import CrankThrow
 from regression.fits.forms import form_named
 from regression.plans.designs import (

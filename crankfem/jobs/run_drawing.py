@@ -16,7 +16,6 @@ from crankbase.processes import scratch_folder
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.analyses.throw.pictures.stress_picture import write_vtu
-from crankfem.files.sections.crank_throws import dimensioned
 from crankfem.jobs.exit_codes import TRACEBACK, describe_error
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_files import MESH_FILE, PICTURES
@@ -25,6 +24,7 @@ from crankfem.report.interactive.mechanism import MECHANISM
 from crankfem.report.interactive.plot import Plots, Run
 from crankfem.report.interactive.throw_view import shaft_view, throw_view
 from crankfem.report.interactive.vibration import VIBRATION
+from geometry.any_throw import dimensioned
 
 
 class Pictures:

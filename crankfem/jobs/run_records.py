@@ -31,12 +31,12 @@ from crankfem.analyses.throw.formula_records import (
 from crankfem.analyses.throw.stress import stress_results
 from crankfem.analyses.throw.throw_record import UNIT_RADIAL_FORCE, reciprocity, throw_results
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.sections.crank_throws import with_dimensions
 from crankfem.jobs.run_computation import RunComputation, RunInputs
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from fem.analysis import ThrowAnalysis
 from fem.symmetry import pin_surfaces
+from geometry.any_throw import with_dimensions
 
 
 def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:

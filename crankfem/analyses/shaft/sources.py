@@ -20,11 +20,10 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import data_folder
 from crankfem.files.reading.toml_file import TomlFile
-from crankfem.files.sections.crank_throws import with_dimensions
 from crankfem.files.sections.engine_sections import VibrationSettings
 from dynamics.assessment.uncertainty import Spread
 from fem.material import Material
-from geometry.any_throw import Throw
+from geometry.any_throw import Throw, with_dimensions
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.case import FormulaValue

@@ -23,7 +23,6 @@ from crankfem.analyses.strength.cycle_loads import (
 )
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.sections.crank_throws import dimensioned, with_dimensions
 from crankfem.files.sections.strength_section import StrengthSection
 from dynamics.response.loads import section_modulus
 from dynamics.strength.concentration import (
@@ -57,6 +56,7 @@ from dynamics.strength.shrink_fit import ShrinkFit
 from dynamics.wording import at_speed, speed_range
 from fem.fillet_peaks import FilletPeak, FilletStresses, largest_principal, principal_stresses
 from fem.fillet_stress import FilletMesh, fillet_stresses
+from geometry.any_throw import dimensioned, with_dimensions
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import web_dimension
 

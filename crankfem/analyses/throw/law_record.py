@@ -11,9 +11,8 @@ from crankbase.quantity import percent
 from crankbase.results import Quantity, Result, result
 from crankbase.sentences import kept
 from crankbase.table import SI, OutputUnits
-from crankfem.files.sections.crank_throws import with_dimensions
 from fem.material import Material
-from geometry.any_throw import Throw
+from geometry.any_throw import Throw, with_dimensions
 from geometry.throw import CrankThrow
 from regression.law.superelement import law_reactions
 from regression.law.throw_law import AxialLaw, TorsionalLaw, throw_laws

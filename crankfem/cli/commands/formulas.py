@@ -112,8 +112,8 @@ def formulas(
 def _values(engine: str, asked: _Request) -> "Formulas":
     from crankfem.analyses.throw.formula_records import by_elements, formulas_of
     from crankfem.cli.arguments import select_throw
-    from crankfem.files.sections.crank_throws import with_dimensions
     from fem.analysis import analyze_throw
+    from geometry.any_throw import with_dimensions
 
     throw, material = select_throw(engine, asked.throw, asked.out.quiet)
     dimensions = with_dimensions(throw)
@@ -169,7 +169,7 @@ def _all_engines(asked: _Request) -> None:
     from crankfem.cli.tables import throw_tables
     from crankfem.files.engine.throw_file import load_throw
     from crankfem.files.reading.data_files import shipped_names
-    from crankfem.files.sections.crank_throws import with_dimensions
+    from geometry.any_throw import with_dimensions
 
     if not asked.fe:
         raise InputError(

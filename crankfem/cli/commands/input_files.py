@@ -45,8 +45,8 @@ def check(
     record = check_record(checked)
     if picture is not None:
         from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
-        from crankfem.files.sections.crank_throws import with_dimensions
         from crankfem.jobs.outputs import check_writable
+        from geometry.any_throw import with_dimensions
 
         if checked.throw is None:
             raise InputError(
@@ -198,7 +198,7 @@ def new(
         write_user_file(file, copied.path.read_bytes())
     command = f"crankfem {NEXT[kind]} {file}"
     if drawing is not None and throw is not None:
-        from crankfem.files.sections.crank_throws import with_dimensions
+        from geometry.any_throw import with_dimensions
 
         write_drawing(with_dimensions(throw), drawing, file.stem, lettered=True)
     if out.json:

@@ -88,7 +88,7 @@ def lookup(
         loaded = ComplianceModel.load(model)
         asked: dict[str, Any] = {}
         if throw is not None:
-            from crankfem.files.sections.crank_throws import with_dimensions
+            from geometry.any_throw import with_dimensions
 
             of_file, material = arguments.select_throw(throw, quiet=out.quiet)
             loaded = loaded.of_material(material)

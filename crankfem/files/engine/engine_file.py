@@ -57,12 +57,10 @@ from crankfem.files.reading.toml_text import toml_text
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     ShaftLayout,
-    dimensioned,
     free_end_throw_name,
     read_throws,
     throw_names,
     throws_along_shaft,
-    with_dimensions,
 )
 from crankfem.files.sections.engine_sections import (
     Engine,
@@ -93,7 +91,7 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import EnginePower, indicated_power
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
-from geometry.any_throw import Throw
+from geometry.any_throw import Throw, dimensioned, with_dimensions
 from geometry.crankshaft import Crankshaft, ShaftEnds, throw_starts
 
 if TYPE_CHECKING:

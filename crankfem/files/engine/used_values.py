@@ -12,7 +12,8 @@ from crankfem.files.engine.file_kinds import any_sections, engine_sections, file
 from crankfem.files.engine.throw_file import tables_of_throws, unused_throws
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.satellites import at_place, called, uses_of_satellites
-from crankfem.files.sections.crank_throws import PLAIN, dimensioned, read_throws
+from crankfem.files.sections.crank_throws import PLAIN, read_throws
+from geometry.any_throw import dimensioned
 
 # Sections and fields that a command uses, and those that it does not.
 Use = tuple[tuple[str, ...], tuple[str, ...]]

@@ -17,7 +17,6 @@ from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_cylinders import inertia_of_masses
 from crankfem.files.engine.usual_sizes import PRACTICE, SHIPPED, UsualRange
 from crankfem.files.reading.toml_file import InputWarning
-from crankfem.files.sections.crank_throws import dimensioned
 from dynamics.engine.forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import (
@@ -29,6 +28,7 @@ from dynamics.gas.pressure import (
 )
 from dynamics.harmonics import read_torque_table
 from fem.material import STEEL, Material
+from geometry.any_throw import dimensioned
 from geometry.crankshaft import throw_masses
 from geometry.throw import CrankThrow
 

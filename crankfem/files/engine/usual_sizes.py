@@ -11,10 +11,11 @@ from crankbase.quantity import PER_MINUTE, RPM, UNITS, format_number, percent
 from crankbase.sentences import amount, listed
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.reading.toml_file import InputWarning
-from crankfem.files.sections.crank_throws import PLAIN, Throws, dimensioned
+from crankfem.files.sections.crank_throws import PLAIN, Throws
 from dynamics.excitation.pressure_map import EnginePower
 from dynamics.gas.pressure import ATMOSPHERE
 from fem.material import STEEL
+from geometry.any_throw import dimensioned
 from geometry.throw import CrankThrow
 from regression.law.throw_law import DIVISORS, FILLETS, RANGES, REAL, axial_law
 from regression.law.throw_law import PLAIN as PLAIN_RANGES

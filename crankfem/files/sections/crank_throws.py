@@ -4,7 +4,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -17,7 +16,7 @@ from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, quantity_field
 from crankbase.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
-from geometry.any_throw import Throw
+from geometry.any_throw import Throw, dimensioned
 from geometry.throw import CrankThrow
 
 # What the one throw of a plain file is called among throws by name.
@@ -97,21 +96,6 @@ class CadThrow(InputModel):
         ("pin",),
         description="names of the crankpins' faces, where faces have names",
         json_schema_extra={"feature": True},
-    )
-
-
-def dimensioned(throws: Throws) -> dict[str, CrankThrow]:
-    """Return the throws with dimensions: rules and formulas take no others."""
-    return {name: throw for name, throw in throws.items() if isinstance(throw, CrankThrow)}
-
-
-def with_dimensions(throw: Throw) -> CrankThrow:
-    """Return a throw with dimensions; `InputError` for one from a STEP file."""
-    if isinstance(throw, CrankThrow):
-        return throw
-    raise InputError(
-        f"throw: given that of {Path(throw.path).name}; allowed here are throws of dimensions, which a STEP "
-        "file does not give."
     )
 
 

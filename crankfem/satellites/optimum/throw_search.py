@@ -23,12 +23,13 @@ from crankfem.analyses.shaft.chains import (
     engine_torsional_chain,
 )
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.sections.crank_throws import PLAIN, with_dimensions
+from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.satellites.optimum.frequencies import check_one_throw, first_frequency
 from fem.response_table import RESPONSES, ResponseKind
 from fem.responses import evaluate_throw
 from fem.superelement import Superelement, shaft_compliances
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
+from geometry.any_throw import with_dimensions
 from geometry.boundary_motion import STEP
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
