@@ -15,7 +15,7 @@ from scipy.signal import lfilter
 import crankfem as cf
 
 ENGINE, RATE, PITCHES, RATIO = "cat-3116", 40_000.0, 60, 0.0125
-LOW, HIGH, DURATION, SOFTER = 700.0, 2800.0, 60.0, 0.94  # 1/min, s
+LOW, HIGH, DURATION, SOFTER = 1900.0, 2800.0, 60.0, 0.94  # 1/min, s
 
 
 def pulses(
