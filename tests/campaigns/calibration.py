@@ -71,7 +71,7 @@ def gains(count: int, first: int) -> None:
                 told = cylinder_gains(fit(Problem(of, (record,))), CYLINDERS)
                 right += told.weak == (CYLINDERS[which],) * weak
                 wrong += bool(set(told.weak) - {CYLINDERS[which]} if weak else told.weak)
-                untold += not told.told
+                untold += not told.determined
             print(
                 f"{case}, {'one weak' if weak else 'healthy'}: right {right}, a healthy one called weak "
                 f"{wrong}, cannot be told {untold} of {count}",

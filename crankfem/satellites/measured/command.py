@@ -123,14 +123,14 @@ def measured(
         if file is not None:
             refuse_other_speeds(measurement, file.engine.lowest_speed, file.engine.highest_speed)
         progress.step("Fitting orders")
-        found = measurement.orders(None if orders is None else _numbers(orders))
-        beside = None if file is None else overlay(found, file, progress.step)
-        run = MeasuredVibration.of(Path(record).name, found, beside)
+        measured_orders = measurement.orders(None if orders is None else _numbers(orders))
+        beside = None if file is None else overlay(measured_orders, file, progress.step)
+        run = MeasuredVibration.of(Path(record).name, measured_orders, beside)
         written = [] if drawn is None else run.draw(drawn, progress.step)
         progress.finish()
     if tables is not None:
         written.append(tables / TABLE)
-        frame = found.to_pandas()
+        frame = measured_orders.to_pandas()
         units = frame.attrs["units"]
         write_columns(
             written[-1], {f"{name} [{units[name]}]": frame[name].to_numpy() for name in frame}

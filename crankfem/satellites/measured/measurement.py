@@ -214,21 +214,21 @@ class Measurement:
         """Return what is fitted: the teeth, or the signal at the rigid angles."""
         teeth = self.teeth
         pitches = teeth.wheel.pitches
-        own = Samples(teeth.time, teeth.angle, teeth.angle, teeth.number % pitches, pitches)
+        turning = Samples(teeth.time, teeth.angle, teeth.angle, teeth.number % pitches, pitches)
         if self.signal is None:
-            return own
+            return turning
         usual = np.arange(1, round(USUAL_ORDER * self.cycle) + 1) / self.cycle
         usual = usual[usual < OF_HIGHEST * teeth.wheel.highest_order]
-        if own.revolutions > LONGEST_WHOLE or not usual.size:
-            rigid = np.interp(self.signal[0], own.time, own.angle)
+        if turning.revolutions > LONGEST_WHOLE or not usual.size:
+            rigid = np.interp(self.signal[0], turning.time, turning.angle)
         else:
-            middle = 0.5 * (own.angle[0] + own.angle[-1])
-            along = fit_along(own, usual, np.array([middle])).rigid
+            middle = 0.5 * (turning.angle[0] + turning.angle[-1])
+            along = fit_along(turning, usual, np.array([middle])).rigid
             assert along is not None
             rigid = along(self.signal[0])
         time, value = self.signal
         merged = self._merged(orders)
-        within = (time >= own.time[0]) & (time <= own.time[-1])
+        within = (time >= turning.time[0]) & (time <= turning.time[-1])
         parts = [array[within] for array in (time, rigid, value)]
         whole = parts[0].size // merged * merged
         return Samples(*(part[:whole].reshape(-1, merged).mean(axis=1) for part in parts))

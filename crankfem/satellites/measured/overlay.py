@@ -137,7 +137,7 @@ class Overlay(Result):
         order = np.argsort(self.measured.speed)
         speed = RPM * self.measured.speed[order]
         lines, dots = [], []
-        found, calculated = self.measured.amplitude[order], self.calculated[order]
+        sensed, calculated = self.measured.amplitude[order], self.calculated[order]
         for number, pair in enumerate(self.pairs[:DRAWN]):
             color = order_line_style(number).color
             place = int(np.argmin(np.abs(self.measured.orders - pair.order)))
@@ -150,13 +150,13 @@ class Overlay(Result):
             dots.append(
                 Dots(
                     speed,
-                    np.abs(found[:, place]) / size,
+                    np.abs(sensed[:, place]) / size,
                     f"order {group} measured",
                     color,
                     group=group,
                 )
             )
-        together = [self._together(values) / size for values in (calculated, found)]
+        together = [self._together(values) / size for values in (calculated, sensed)]
         lines.append(Line(speed, together[0], "all", ALL_ORDERS, width=2.0))
         dots.append(Dots(speed, together[1], "all measured", ALL_ORDERS, "X"))
         ends = float(speed[0]), float(speed[-1])
@@ -284,15 +284,15 @@ def overlay(
             some = replace(some, amplitude=some.amplitude - constants)
             # Constants that cancel another engine's orders are no measurement of these.
             least = min(least, float(np.linalg.norm(some.amplitude)))
-            told = f"are chosen to agree, the largest {np.degrees(np.abs(constants).max()):.2g} deg"
+            held = f"are chosen to agree, the largest {np.degrees(np.abs(constants).max()):.2g} deg"
         elif np.all(some.wheel_constant):
-            told = "are in them still, because at so few speeds any would agree"
+            held = "are in them still, because at so few speeds any would agree"
         else:
             free = ~some.wheel_constant
             some = _part(some, np.ones(some.speed.size, dtype=bool), free)
             calculated, least = calculated[:, free], float(np.linalg.norm(some.amplitude))
-            told = "would make any engine's agree at so few speeds: half orders alone are compared"
-        notes.append(f"The constants of the wheel in whole orders {told}.")
+            held = "would make any engine's agree at so few speeds: half orders alone are compared"
+        notes.append(f"The constants of the wheel in whole orders {held}.")
     left = float(np.linalg.norm(some.amplitude - calculated)) / least
     pairs = [_pair(some, calculated, column) for column in range(some.orders.size)]
     pairs.sort(key=lambda pair: -pair.measured)
@@ -424,12 +424,12 @@ def _mark_angle(measured: MeasuredOrders, calculated: ComplexArray) -> float:
 def _pair(measured: MeasuredOrders, calculated: ComplexArray, column: int) -> OrderPair:
     """Return the largest amplitudes of an order."""
     sizes = [np.abs(values[:, column]) for values in (measured.amplitude, calculated)]
-    found, expected = (int(np.argmax(size)) for size in sizes)
+    peak, expected = (int(np.argmax(size)) for size in sizes)
     return OrderPair(
         float(measured.orders[column]),
-        float(sizes[0][found]),
-        float(measured.speed[found]),
-        float(measured.scatter[found, column]),
+        float(sizes[0][peak]),
+        float(measured.speed[peak]),
+        float(measured.scatter[peak, column]),
         float(sizes[1][expected]),
         float(measured.speed[expected]),
         measured.unit,

@@ -70,12 +70,12 @@ def pulse_times(
         first, carried = first + sure, samples[sure:]
         if carried.size > 4 * PIECE:  # nothing turns
             first, carried = first + carried.size - PIECE, carried[-PIECE:]
-    found = np.concatenate([*crossings, np.empty(0)])
-    if found.size < 2:
+    crossed = np.concatenate([*crossings, np.empty(0)])
+    if crossed.size < 2:
         raise InputError(
             "voltage: no teeth are found in it; allowed is the voltage of a sensor at a toothed wheel."
         )
-    return np.asarray(start + found / rate)
+    return np.asarray(start + crossed / rate)
 
 
 def _pieces(voltage: Iterable[NDArray[np.floating]]) -> Iterator[Array]:

@@ -348,7 +348,7 @@ FIVE = np.linspace(110.0, 240.0, 5)
 def test_a_weak_cylinder_is_named_from_five_speeds_at_the_pulley():
     for seed in range(4):
         gains = cylinder_gains(gained(PULLEY, FIVE, seed, seed), CYLINDERS)
-        assert gains.told
+        assert gains.determined
         assert gains.weak == (CYLINDERS[seed],)
         ratio = np.log(np.array([gains.cylinders[seed].low, gains.cylinders[seed].high]) / 0.8)
         # Within 1.8 times the 95 % interval, 3.5 deviations.
@@ -375,7 +375,7 @@ def test_one_speed_at_the_flywheel_cannot_tell_a_weak_cylinder_and_what_would_is
     found = gained(FLYWHEEL, FIVE[1:2], 0, 3)
     further = further_measurements(found, {"five speeds": FIVE}, excitation)
     gains = cylinder_gains(found, CYLINDERS, further)
-    assert not gains.told
+    assert not gains.determined
     assert gains.weak == ()
     named = dict(gains.remedies)
     assert "five speeds" in named

@@ -56,7 +56,7 @@ class FittedGroup(Result):
         Share by which the maker's value may be off, 95 of 100 times.
     pull : float
         Distance from the maker's value, in standard deviations of that tolerance.
-    told : float
+    determined : float
         Share of the tolerance's variance that the records remove; 0 where they tell nothing.
     """
 
@@ -69,7 +69,7 @@ class FittedGroup(Result):
     profile_high: Annotated[float | None, Quantity("1")]
     tolerance: Number
     pull: Number
-    told: Number
+    determined: Number
 
 
 @result("parts", "strength")
@@ -146,7 +146,7 @@ class CylinderResult(Result):
     high: Number
     detectable: Number
     weak: bool
-    told: bool
+    determined: bool
 
 
 @result("limit", "place", "before", "after")
@@ -304,7 +304,7 @@ def calibrate(
     further: Sequence[Further] = ()
     if fits:
         further = further_measurements(solved, _further_speeds(model, solved), model.excitation)
-    told: Gains | None = cylinder_gains(solved, model.cylinders, further) if gains else None
+    cylinders: Gains | None = cylinder_gains(solved, model.cylinders, further) if gains else None
     fitted, verdict, files = None, None, list[str]()
     if fits:
         fitted = fitted_engine(model, solved, names, date)
@@ -343,16 +343,22 @@ def calibrate(
             for name, record in (predict or {}).items()
         ),
         cylinders=()
-        if told is None
+        if cylinders is None
         else tuple(
             CylinderResult(
-                each.name, each.ratio, each.low, each.high, each.detectable, each.weak, each.told
+                each.name,
+                each.ratio,
+                each.low,
+                each.high,
+                each.detectable,
+                each.weak,
+                each.determined,
             )
-            for each in told.cylinders
+            for each in cylinders.cylinders
         ),
         cylinder_remedies=()
-        if told is None
-        else tuple(what for what, _ in told.remedies[:MOST_REMEDIES]),
+        if cylinders is None
+        else tuple(what for what, _ in cylinders.remedies[:MOST_REMEDIES]),
         verdict=verdict,
         remarks=remarks,
         files=tuple(files),
@@ -383,7 +389,7 @@ def _groups(
                 profile_high=ends[1],
                 tolerance=group.tolerance,
                 pull=float(solved.parameters[number]),
-                told=float(np.clip(1.0 - solved.deviations[number] ** 2, 0.0, 1.0)),
+                determined=float(np.clip(1.0 - solved.deviations[number] ** 2, 0.0, 1.0)),
             )
         )
     return tuple(made)

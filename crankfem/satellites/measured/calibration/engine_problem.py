@@ -147,9 +147,9 @@ class EngineModel:
                     f"{known[-1]:g}, because others have no calculated amplitude."
                 )
             fixed[:, place] = whole[int(at[0])][back]
-            (own,) = np.nonzero(np.abs(fired - order) <= SAME_ORDER * order)
-            if own.size:
-                sources[:, place] = gas[int(own[0])][back]
+            (fires,) = np.nonzero(np.abs(fired - order) <= SAME_ORDER * order)
+            if fires.size:
+                sources[:, place] = gas[int(fires[0])][back]
                 for cylinder, node in enumerate(nodes):
                     fixed[:, place, node] -= sources[:, place, cylinder]
         return Excitation(
@@ -290,15 +290,15 @@ def engine_problem(
     """Return the problem of an engine and its records, and remarks."""
     pairs = [model.observation(record) for record in records]
     remarks = tuple(remark for _, each in pairs for remark in each)
-    return Problem(model.shaft(groups), tuple(one for one, _ in pairs)), remarks
+    return Problem(model.shaft(groups), tuple(group for group, _ in pairs)), remarks
 
 
 def with_magnifier(engine_file: EngineFile, names: Sequence[str]) -> EngineFile:
     """Return the engine with its magnifier given, where it is assumed and is to move."""
     field = "torsional_magnifier"
     damping = engine_file.damping
-    given = damping is not None and (damping.torsional_magnifier or damping.damps_torsion)
-    if f"damping.{field}" in names and not given:
+    stated = damping is not None and (damping.torsional_magnifier or damping.damps_torsion)
+    if f"damping.{field}" in names and not stated:
         changed = engine_file.changed(damping={field: DEFAULT_MAGNIFIER})
         origin = {f"damping.{field}": (MAGNIFIER_SOURCE, True)}
         return replace(changed, provenance={**changed.provenance, **origin})

@@ -320,12 +320,14 @@ def fit(
     best = min(ends, key=lambda end: float(end.cost)).x
     tell("Fitting to all speeds")
     rows = _Rows(problem)
-    found = least_squares(rows.residuals, best, rows.jacobian, x_scale="jac", max_nfev=MOST_STEPS).x
+    solution = least_squares(
+        rows.residuals, best, rows.jacobian, x_scale="jac", max_nfev=MOST_STEPS
+    ).x
     if robust:
         explicit = _WithConstants(problem)
-        found = least_squares(
+        solution = least_squares(
             explicit.residuals,
-            explicit.start(found),
+            explicit.start(solution),
             explicit.jacobian,
             x_scale="jac",
             loss=explicit.loss,  # type: ignore[arg-type]
@@ -333,7 +335,7 @@ def fit(
             max_nfev=MOST_STEPS,
         ).x[: problem.size]
     return _judged(
-        problem, np.asarray(found), robust, tuple(float(end.cost) for end in ends[:starts])
+        problem, np.asarray(solution), robust, tuple(float(end.cost) for end in ends[:starts])
     )
 
 

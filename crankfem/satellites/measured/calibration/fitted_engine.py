@@ -212,8 +212,8 @@ def fitted_engine(
         before = float(getattr(getattr(file, section), name))
         unit = field_extra(type(getattr(file, section)).model_fields[name], "unit") or ""
         changes.setdefault(section, {})[name] = before * float(factors[number])
-        own, assumed = file.provenance.get(group.field, ("", False))
-        before_text = f"{'assumed: ' if assumed else ''}{own}" if own else "no source"
+        former, assumed = file.provenance.get(group.field, ("", False))
+        before_text = f"{'assumed: ' if assumed else ''}{former}" if former else "no source"
         origins[group.field] = (
             f"{text}; before {format_quantity(before, unit)} ({before_text})",
             False,

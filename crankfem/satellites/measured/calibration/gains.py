@@ -44,7 +44,7 @@ class CylinderGain:
     weak: bool
 
     @property
-    def told(self) -> bool:
+    def determined(self) -> bool:
         """Whether a weakness of `WEAK` would be found."""
         return self.detectable <= WEAK
 
@@ -69,9 +69,9 @@ class Gains:
         return tuple(each.name for each in self.cylinders if each.weak)
 
     @property
-    def told(self) -> bool:
+    def determined(self) -> bool:
         """Whether a weak cylinder would be found, whichever it is."""
-        return all(each.told for each in self.cylinders)
+        return all(each.determined for each in self.cylinders)
 
 
 def cylinder_groups(names: Sequence[str]) -> tuple[Group, ...]:
@@ -127,10 +127,10 @@ def cylinder_gains(solved: Fit, names: Sequence[str], further: Sequence[Further]
         for name, log, deviation in zip(names, logs, spread, strict=True)
     )
     noise = float(max(solved.misfit, 1.0))
-    found = []
+    remedies = []
     for each in further:
         covariance = np.asarray(np.linalg.inv(each.information / noise + np.eye(size)), dtype=float)
         least = detectable(float(np.max(deviations(covariance))))
         if least <= WEAK:
-            found.append((each.what, least))
-    return Gains(cylinders, tuple(sorted(found, key=lambda item: item[1])))
+            remedies.append((each.what, least))
+    return Gains(cylinders, tuple(sorted(remedies, key=lambda item: item[1])))

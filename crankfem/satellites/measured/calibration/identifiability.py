@@ -75,16 +75,16 @@ def directions(fit: Fit) -> tuple[Direction, ...]:
 
 def _own(data: Array, groups: int) -> Array:
     """Return slopes (R, P) to the groups alone, without what the zero angles can do."""
-    own, angles = data[:, :groups], data[:, groups:]
+    freed, angles = data[:, :groups], data[:, groups:]
     if angles.shape[1]:
-        own = own - angles @ np.linalg.lstsq(angles, own, rcond=None)[0]
-    return np.asarray(np.linalg.qr(own, mode="r"))
+        freed = freed - angles @ np.linalg.lstsq(angles, freed, rcond=None)[0]
+    return np.asarray(np.linalg.qr(freed, mode="r"))
 
 
 def _information(data: Array, groups: int) -> Array:
     """Return the information of slopes (R, P) on the groups alone, (p, p)."""
-    own = _own(data, groups)
-    return np.asarray(own.T @ own)
+    freed = _own(data, groups)
+    return np.asarray(freed.T @ freed)
 
 
 @dataclass(frozen=True)

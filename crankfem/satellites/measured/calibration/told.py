@@ -32,7 +32,7 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
             else ()
         ),
         (Column("tolerance", "%", 3), lambda row: row.tolerance),
-        (Column("told by records", "%", 3), lambda row: row.told),
+        (Column("told by records", "%", 3), lambda row: row.determined),
         main=True,
     )
     if made.cylinders and made.status != "does not fit":
@@ -107,7 +107,7 @@ def _cylinders(made: Calibration) -> str:
             for each in weak
         )
         return f"Weak: {names}."
-    untold = [each.name for each in made.cylinders if not each.told]
+    untold = [each.name for each in made.cylinders if not each.determined]
     if untold:
         would = (
             f" It would be told by {', '.join(made.cylinder_remedies)}."
@@ -156,18 +156,18 @@ def _verdict(change: VerdictChange) -> str:
 
 def _agreement(made: Calibration) -> str:
     """Say whether the records fit."""
-    told = (
+    judged = (
         f"misfit {made.misfit:.3g} of the scatter squared (by chance up to {made.limit:.3g}), "
         f"{100.0 * made.explained:.3g} % of the measured squares explained"
     )
     if made.status == "fits":
-        return f"The records fit this engine: {told}."
+        return f"The records fit this engine: {judged}."
     if made.status == "fits roughly":
-        return f"The records fit this engine beyond their scatter: {told}; intervals are as much wider."
+        return f"The records fit this engine beyond their scatter: {judged}; intervals are as much wider."
     pulled = f"; beyond their tolerances would be {', '.join(made.pulled)}" if made.pulled else ""
     slip = (
         f" They would fit with {made.slip} undone."
         if made.slip
         else f" Amplitudes are {made.size:.3g} times those calculated, at the median."
     )
-    return f"The records do not fit this engine: {told}{pulled}.{slip} Nothing is written."
+    return f"The records do not fit this engine: {judged}{pulled}.{slip} Nothing is written."
