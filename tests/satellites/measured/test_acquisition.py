@@ -18,6 +18,7 @@ def waveform(step, count, **more):
     return {"wf_increment": step, "wf_samples": count, "wf_start_offset": 0.0} | more
 
 
+@pytest.mark.slow
 def test_two_rates_of_tdms_share_their_instants(tmp_path):
     """nptdms gives 15 of 101 of them apart, by round-off."""
     path = tdms(
@@ -90,6 +91,7 @@ def test_a_name_in_two_groups_asks_which(tmp_path):
         record.channel("Mm")
 
 
+@pytest.mark.slow
 def test_masters_of_mdf_are_time_and_angle_and_never_one_table(tmp_path):
     """A table of all has top dead center at 360, or 6.283, and mixes seconds with angles."""
     angles = np.arange(-360.0, 361.0, 1.0)
@@ -163,6 +165,7 @@ def test_an_mdf_that_was_not_finished_is_read_and_left_as_it_is(tmp_path):
     assert path.read_bytes() == content
 
 
+@pytest.mark.slow
 def test_even_times_of_uff_have_six_digits(tmp_path):
     """By pyuff the times are 96 us off after 60 s at 48 kHz; a whole rate fits the digits."""
     times = np.arange(48000) / 48000.0

@@ -58,6 +58,7 @@ def test_json_has_factors_verdict_and_files(call, orders):
     assert told["units"]["frequency_after"] == "Hz"
 
 
+@pytest.mark.further
 def test_the_answer_is_whether_the_records_fit(call, orders):
     out = call(ENGINE, "run.csv", "--at", "free end", "--gains", *MOVES[:6])
     answer = " ".join(out.split()).rpartition(" The records ")[2]

@@ -187,11 +187,13 @@ def test_what_tells_a_null_direction_is_named_or_that_nothing_does():
     assert softer.parts @ fit(both).covariance @ softer.parts < 0.3
 
 
+@pytest.mark.slow
 def test_inertia_forces_that_are_known_tell_the_scale():
     found, _ = solved(PULLEY, 1, inertial=True)
     assert NULL @ found.covariance @ NULL < 0.1
 
 
+@pytest.mark.slow
 def test_an_angle_whose_zero_is_unknown_is_found():
     of, rng = shaft(), np.random.default_rng(7)
     truth = rng.normal(size=8)
@@ -204,6 +206,7 @@ def test_an_angle_whose_zero_is_unknown_is_found():
     assert np.all(np.abs(found.parameters[:8] - truth) < 3.5 * found.deviations)
 
 
+@pytest.mark.slow
 def test_prediction_at_a_sensor_left_out_lies_in_its_band():
     of, rng = shaft(), np.random.default_rng(11)
     truth = rng.normal(size=8)

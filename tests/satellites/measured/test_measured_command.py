@@ -20,6 +20,7 @@ def record(tmp_path):
     return file
 
 
+@pytest.mark.slow
 def test_json_and_files_hold_the_orders(call, record, tmp_path):
     answer = call(
         *("measured", str(record), "--teeth", "60-2", "--orders", "0.5,3", "--mark-angle", "0 deg"),
@@ -43,6 +44,7 @@ def test_the_largest_order_is_told(call, record):
     assert "Largest order: 0.5, 0.115 deg at 800 1/min." in answer.out
 
 
+@pytest.mark.slow
 def test_what_does_not_fit_is_refused(call, record):
     for options, word in (
         (("--teeth", "36-1"), "60-2"),

@@ -121,6 +121,7 @@ def voltage(count, heights, noise):
     return wave + noise * np.random.default_rng(4).standard_normal(count), edges, numbers
 
 
+@pytest.mark.slow
 def test_pulses_follow_ordinary_teeth_past_magnetic_ones():
     heights = np.random.default_rng(0).uniform(0.7, 1.3, 60)
     heights[20], heights[40] = 2.5, 0.55
