@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import crankfem as cf
 import crankfem.satellites.measured.calibration.fit as fitting
@@ -463,3 +464,57 @@ def test_orders_without_scatter_are_refused():
     record = observed(shaft(), np.zeros(8), PULLEY, np.random.default_rng(0))
     with pytest.raises(cf.InputError, match="scatter of 0"):
         replace(record, measured=replace(record.measured, scatter=np.zeros((60, 24))))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [0.1, -0.1])
+def test_a_ramp_shifts_resonances_as_integration_in_time_does(rate):
+    """A wheel on a shaft to ground, near its resonance: the steady is off by the lag, this by 3 lag^2."""
+    inertia, stiffness, damping = 2.0, 1800.0, 6.0
+    chain = cf.Chain([inertia], [], ground=[stiffness], ground_damping=[damping])
+    speed = np.linspace(26.0, 34.0, 9)
+    ramp = np.full(speed.size, rate)
+
+    def slope(t, state):
+        angle = w_0 * t + 0.5 * rate * t**2
+        angle_dot, force = state[1], np.cos(angle)
+        return angle_dot, (force - damping * state[1] - stiffness * state[0]) / inertia
+
+    amplitude = np.empty((speed.size, 1), dtype=complex)
+    for place, at in enumerate(speed):
+        # Begun 12 s earlier, so that nothing is left of the start; the envelope from value and velocity.
+        t_end = 12.0
+        w_0 = at - rate * t_end
+        ended = solve_ivp(
+            slope, (0.0, t_end + 0.2), (0.0, 0.0), rtol=1e-10, atol=1e-13, dense_output=True
+        )
+        later = np.linspace(-0.2, 0.2, 81)
+        times = t_end + later
+        phase = w_0 * times + 0.5 * rate * times**2
+        basis = np.stack((np.cos(phase), -np.sin(phase)), axis=1)
+        drift = np.hstack([basis * later[:, np.newaxis] ** power for power in range(5)])
+        real, imaginary, *_ = np.linalg.lstsq(drift, ended.sol(times)[0], rcond=None)[0]
+        amplitude[place] = real + 1j * imaginary
+    record = MeasuredOrders(
+        orders=np.array([1.0]),
+        speed=speed,
+        amplitude=amplitude,
+        scatter=np.ones((speed.size, 1)),
+        place=chain.names[0],
+        quantity="angle",
+        correlation=np.eye(speed.size),
+        ramp=ramp,
+        wheel_constant=np.array([False]),
+        cycle=2,
+        zero_known=True,
+    )
+    acting = Excitation(np.ones((speed.size, 1), dtype=complex), np.zeros((speed.size, 0)), ())
+    steady, moving = (
+        Problem(
+            Shaft(chain, (), 0), (Observation(replace(record, ramp=each), Sensor(0), acting),)
+        ).predicted(np.zeros(0), 0)[0]
+        for each in (0.0 * ramp, ramp)
+    )
+    size, lag = np.max(np.abs(amplitude)), abs(rate) / (0.5 * damping / inertia) ** 2
+    assert np.max(np.abs(steady - amplitude)) > 0.8 * lag * size
+    assert np.max(np.abs(moving - amplitude)) < 3.2 * lag**2 * size

@@ -53,7 +53,8 @@ RANGES = {
 GAS = "gas torque"
 # Two orders are one within this share.
 SAME_ORDER = 1e-9
-# Response at a ramp is told as steady where its lag, n dOmega/dt / (zeta omega)^2, is below this.
+# A ramp counts to its first order where its lag, n dOmega/dt / (zeta omega)^2, is below this: of a peak
+# three times its square is left.
 LARGEST_LAG = 0.1
 
 
@@ -260,7 +261,7 @@ class EngineModel:
             raise InputError(
                 f"{measured.place}: given a ramp whose resonances lag by {lag:.2f} (order times the change "
                 f"of speed over the square of a mode's decay); allowed is up to {LARGEST_LAG:g}, because the "
-                "steady vibration is compared."
+                "change of speed is taken to its first order."
             )
         acting = self.excitation(measured.orders, measured.speed)
         return Observation(measured, sensor, acting), tuple(remarks)

@@ -197,8 +197,8 @@ def fitted_engine(
     for number, group in enumerate(shaft.groups):
         low, high = solved.interval(number)
         text = (
-            f"calibrated {date} with {', '.join(records)}: {factors[number]:.4g} times the maker's value, "
-            f"95 % {low:.4g} to {high:.4g}, tolerance before {100.0 * group.tolerance:.3g} %"
+            f"calibrated {date} with {', '.join(records)}: {factors[number]:.5g} times the maker's value, "
+            f"95 % {low:.5g} to {high:.5g}, tolerance before {100.0 * group.tolerance:.3g} %"
         )
         fields = {act.field for act in group.acts}
         if fields == {EXCITATION}:

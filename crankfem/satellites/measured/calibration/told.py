@@ -20,13 +20,13 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
         "Factors on the maker's values, with 95 % intervals",
         made.groups,
         (Column("group", words=True), lambda row: row.name),
-        (Column("factor"), lambda row: row.factor),
-        (Column("from"), lambda row: row.low),
-        (Column("to"), lambda row: row.high),
+        (Column("factor", digits=5), lambda row: row.factor),
+        (Column("from", digits=5), lambda row: row.low),
+        (Column("to", digits=5), lambda row: row.high),
         *(
             (
-                (Column("profile from"), lambda row: row.profile_low),
-                (Column("to"), lambda row: row.profile_high),
+                (Column("profile from", digits=5), lambda row: row.profile_low),
+                (Column("to", digits=5), lambda row: row.profile_high),
             )
             if any(group.profile_low is not None for group in made.groups)
             else ()
@@ -40,9 +40,9 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
             "Gas torque of each cylinder over the mean of the others, with 95 % intervals",
             made.cylinders,
             (Column("cylinder", words=True), lambda row: row.name),
-            (Column("ratio"), lambda row: row.ratio),
-            (Column("from"), lambda row: row.low),
-            (Column("to"), lambda row: row.high),
+            (Column("ratio", digits=5), lambda row: row.ratio),
+            (Column("from", digits=5), lambda row: row.low),
+            (Column("to", digits=5), lambda row: row.high),
             (Column("found if weaker by", "%", 3), lambda row: row.detectable),
             main=True,
         )
@@ -75,7 +75,7 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
 
 
 def _share(share: float) -> str:
-    return f"{100.0 * share:+.2g} %"
+    return f"{100.0 * share:+.3g} %"
 
 
 def _changes(parts: Mapping[str, float], most: int) -> str:
@@ -145,7 +145,7 @@ def _verdict(change: VerdictChange) -> str:
     worst = change.limits[0]
     reasons = {name: share for name, share in change.by_group.items() if abs(share) >= NO_CHANGE}
     why = "; by each group alone, in points: " + ", ".join(
-        f"{name} {100.0 * share:+.2g}" for name, share in [*reasons.items()][:MOST_REASONS]
+        f"{name} {100.0 * share:+.3g}" for name, share in [*reasons.items()][:MOST_REASONS]
     )
     return finished(
         f"{status}. Most used is {worst.limit} at {worst.place}: {100.0 * worst.before:.4g} % before, "
