@@ -173,7 +173,9 @@ def test_drawings_and_copies_of_a_part_are_refused(call, file, line, reason):
     assert reason in answer.err
 
 
-@pytest.fixture(scope="module", params=["yamz-5340", "cat-3116"])
+@pytest.fixture(
+    scope="module", params=["yamz-5340", pytest.param("cat-3116", marks=pytest.mark.further)]
+)
 def round_trip(request, tmp_path_factory):
     """A shipped engine, and what is written for its crankshaft and filled in with its other sections."""
     folder = tmp_path_factory.mktemp("round-trip")
