@@ -279,7 +279,7 @@ def test_a_throw_from_cad_has_the_compliance_of_its_dimensions(call):
     assert (cad.code, cad.err) == (0, "")
     own = call("throw", "6chn25-34", "--accuracy", "0.02", "--json").json()
     found = cad.json()
-    assert found["model"].startswith("full")
+    assert found["model"].startswith("quarter")
     assert found["dimensions"]["pins"][0]["diameter"] == close(0.180)
     error = found["error_estimate"] + own["error_estimate"]
     for support in ("pinned", "guided"):
