@@ -452,6 +452,7 @@ def line_bends(
     bearings: Sequence[tuple[float, float]],
     given_places: bool,
     given_stiffness: bool,
+    per_diameter: float,
     without: Sequence[str],
 ) -> tuple[str, ...]:
     """State how a shaft line bends, what of its bearings is assumed, and what its bodies are without."""
@@ -471,8 +472,8 @@ def line_bends(
         )
     if bearings and not given_stiffness:
         remarks.append(
-            f"its bearings are assumed to have {amount(1e10, 'N/m')} per m of its least diameter; give "
-            "shaft_line.bearing_stiffness"
+            f"its bearings are assumed to have {amount(per_diameter, 'N/m')} per m of its least diameter; "
+            "give shaft_line.bearing_stiffness"
         )
     if without:
         remarks.append(

@@ -15,6 +15,7 @@ from crankfem.files.chain.chain_file import PLANT, plant_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.engine_sections import Flywheel, ThrustBearing
 from crankfem.files.sections.mechanism_sections import load_points
+from crankfem.files.sections.vibration_sections import ASSUMED_PER_DIAMETER
 from dynamics import wording
 from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import (
@@ -317,15 +318,18 @@ def _line(engine_file: EngineFile) -> Remarks:
     )
     missing = {"axial": "mass across it", "torsional": "inertia about a diameter"}
     without = [what for kind, what in missing.items() if kind not in engine_file.shaft_lines]
-    return wording.line_bends(beam.length, beam.bearings, given_places, given_stiffness, without)
+    return wording.line_bends(
+        beam.length, beam.bearings, given_places, given_stiffness, ASSUMED_PER_DIAMETER, without
+    )
 
 
 def _bearings(engine_file: EngineFile) -> tuple[MainBearings, Remarks]:
     held = engine_file.main_bearings
     assumed = (
         f"main bearings are assumed to have a lateral stiffness of {amount(held.stiffness, 'N/m', 3)} each "
-        f"(range {wording.stiffness_range(held.lowest, held.highest)}), {amount(1e10, 'N/m')} per m of "
-        "journal diameter, and no damping; give the section [bearings]"
+        f"(range {wording.stiffness_range(held.lowest, held.highest)}), "
+        f"{amount(ASSUMED_PER_DIAMETER, 'N/m')} per m of journal diameter, and no damping; "
+        "give the section [bearings]"
     )
     around = MainBearings(held.stiffness, held.damping, held.variation)
     return around, () if engine_file.bearings else (assumed,)

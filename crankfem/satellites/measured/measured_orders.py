@@ -1,18 +1,34 @@
 """Measured orders over the speed, which all records end in and all comparisons begin with."""
 
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
 
-from crankbase.array_checks import Array, ComplexArray, Flags, check_shape, read_only
+from crankbase.array_checks import (
+    Array,
+    ComplexArray,
+    Flags,
+    Integers,
+    check_shape,
+    read_only,
+)
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.frames import DataFrame, table
 from crankbase.results import result
+from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.order_excitation import checked_orders
 
 Measurand = Literal["angle", "torque", "axial", "pressure"]
 UNITS: dict[Measurand, str] = {"angle": "rad", "torque": "N m", "axial": "m", "pressure": "Pa"}
+PRINTED_UNITS = {"rad": "deg", "N m": "kN m", "m": "mm", "Pa": "bar"}
+# The note on orders with a constant of the wheel.
+OF_WHEEL = (
+    "Each whole order holds a constant of the wheel, which one sensor cannot tell from vibration; that of "
+    "order 1 holds its eccentricity."
+)
 
 
 @result("orders", "speed [rad/s]", "place", "quantity", "method")
@@ -107,6 +123,23 @@ class MeasuredOrders:
         """Unit of the amplitudes."""
         return UNITS[self.quantity]
 
+    def part(
+        self, rows: Flags | Integers | None = None, columns: Flags | None = None
+    ) -> "MeasuredOrders":
+        """Return some speeds and some orders; all, unless given."""
+        rows = np.arange(self.speed.size) if rows is None else np.arange(self.speed.size)[rows]
+        columns = np.ones(self.orders.size, dtype=bool) if columns is None else columns
+        return replace(
+            self,
+            orders=self.orders[columns],
+            speed=self.speed[rows],
+            amplitude=self.amplitude[rows][:, columns],
+            scatter=self.scatter[rows][:, columns],
+            correlation=self.correlation[np.ix_(rows, rows)],
+            ramp=self.ramp[rows],
+            wheel_constant=self.wheel_constant[columns],
+        )
+
     def to_pandas(self) -> DataFrame:
         """Return a row for each speed and order; units are in ``frame.attrs["units"]``."""
         windows, orders = self.amplitude.shape
@@ -119,3 +152,15 @@ class MeasuredOrders:
                 "scatter": (self.scatter.ravel(), self.unit),
             }
         )
+
+
+def largest_lag(measured: MeasuredOrders, peaks: Iterable[DampedCritical]) -> float:
+    """Return n dw/dt / (z w)^2 of the peaks passed, the largest: by so much a steady response is off."""
+    low, high = float(measured.speed.min()), float(measured.speed.max())
+    passed = [
+        peak for peak in peaks if peak.has_peak and low <= peak.speed <= high and peak.in_band
+    ]
+    orders = np.array([peak.order for peak in passed])
+    decay = np.array([peak.damping_ratio * 2.0 * np.pi * peak.mode_frequency for peak in passed])
+    steepest = float(np.max(np.abs(measured.ramp)))
+    return float(np.max(orders * steepest / decay**2, initial=0.0))

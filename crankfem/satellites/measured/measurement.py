@@ -13,7 +13,12 @@ from crankbase.choices import allowed_names, check_choice
 from crankbase.errors import InputError
 from crankbase.results import result
 from crankbase.sentences import amount, finished
-from crankfem.satellites.measured.measured_orders import Measurand, MeasuredOrders
+from crankfem.satellites.measured.measured_orders import (
+    OF_WHEEL,
+    UNITS,
+    Measurand,
+    MeasuredOrders,
+)
 from crankfem.satellites.measured.order_fits import (
     CONSTANT,
     LINEAR,
@@ -32,7 +37,7 @@ from crankfem.satellites.measured.wheel import Teeth, Wheel, number_teeth
 from dynamics.response.order_excitation import checked_orders
 
 Method = Literal["auto", "steady", "linear", "along"]
-MEASURANDS: dict[str, Measurand] = {"rad": "angle", "N m": "torque", "m": "axial", "Pa": "pressure"}
+MEASURANDS: dict[str, Measurand] = {unit: quantity for quantity, unit in UNITS.items()}
 # Orders up to this one are in the fit at least, whichever are asked for, and these of the wheel's at most.
 USUAL_ORDER, OF_HIGHEST = 12.0, 0.8
 # A speed is steady that changes by less than this share over so many revolutions at least.
@@ -111,8 +116,7 @@ class Measurement:
             If an order is too high for the wheel, or orders cannot be told apart.
         """
         check_choice("method", method, get_args(Method), "these are the ways to fit orders")
-        usual = np.arange(1, round(USUAL_ORDER * self.cycle) + 1) / self.cycle
-        highest = self.teeth.wheel.highest_order
+        usual, highest = self._of_cycle(USUAL_ORDER), self.teeth.wheel.highest_order
         wanted = checked_orders(usual[usual < OF_HIGHEST * highest] if orders is None else orders)
         if wanted[-1] >= highest and self.signal is None:
             raise InputError(
@@ -135,10 +139,7 @@ class Measurement:
         wheel = self.signal is None
         constant = wheel & (wanted % 1.0 == 0.0)
         if wheel:
-            notes.append(
-                "Each whole order holds a constant of the wheel, which one sensor cannot tell from "
-                "vibration; that of order 1 holds its eccentricity."
-            )
+            notes.append(OF_WHEEL)
         return MeasuredOrders(
             wanted,
             fit.speed,
@@ -155,12 +156,16 @@ class Measurement:
             (*self.notes, *self.teeth.notes, *notes),
         )
 
+    def _of_cycle(self, top: float) -> Array:
+        """Return the orders of the working cycle up to one."""
+        return np.asarray(np.arange(1, round(top * self.cycle) + 1) / self.cycle)
+
     def _fit(
         self, wanted: Array, top: float, method: Method, window: float
     ) -> tuple[OrderFit, Array, str]:
         """Return the fit, its orders and the name of the method."""
         highest = self.teeth.wheel.highest_order
-        usual = np.arange(1, round(top * self.cycle) + 1) / self.cycle
+        usual = self._of_cycle(top)
         if self.signal is None:
             usual = usual[usual < max(OF_HIGHEST * highest, float(wanted[-1]))]
         fitted = np.union1d(usual, wanted)
@@ -217,7 +222,7 @@ class Measurement:
         turning = Samples(teeth.time, teeth.angle, teeth.angle, teeth.number % pitches, pitches)
         if self.signal is None:
             return turning
-        usual = np.arange(1, round(USUAL_ORDER * self.cycle) + 1) / self.cycle
+        usual = self._of_cycle(USUAL_ORDER)
         usual = usual[usual < OF_HIGHEST * teeth.wheel.highest_order]
         if turning.revolutions > LONGEST_WHOLE or not usual.size:
             rigid = np.interp(self.signal[0], turning.time, turning.angle)

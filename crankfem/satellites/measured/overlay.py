@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from crankbase.array_checks import Array, ComplexArray, Flags
+from crankbase.array_checks import Array, ComplexArray
 from crankbase.diagrams import (
     ALL_ORDERS,
     Diagram,
@@ -35,7 +35,11 @@ from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.report.interactive.plot import LEGEND_COLUMNS, picture
 from crankfem.report.interactive.style import diagram_figure
-from crankfem.satellites.measured.measured_orders import MeasuredOrders
+from crankfem.satellites.measured.measured_orders import (
+    PRINTED_UNITS,
+    MeasuredOrders,
+    largest_lag,
+)
 from crankfem.satellites.measured.order_fits import Samples, fit_along
 from dynamics.indices import index_of_name
 from dynamics.response.forced import ForcedResponse, forced_response
@@ -198,7 +202,7 @@ class Overlay(Result):
 
     def parts(self, units: OutputUnits = SI) -> Iterator[Table | str]:
         """Return the table of peaks, what does not fit, and remarks."""
-        unit = {"rad": "deg", "N m": "kN m", "m": "mm"}[self.measured.unit]
+        unit = PRINTED_UNITS[self.measured.unit]
         yield Table.of_records(
             f"{self.engine}: largest orders at {self.place}, measured and calculated "
             f"({'in the same run-up' if self.by == 'run-up' else 'at steady speeds'})",
@@ -252,8 +256,8 @@ def overlay(
                 "a record with some of both."
             )
         )
-    some = _part(measured, rows, known)
-    error = _ramp_error(some, forced)
+    some = measured.part(rows, known)
+    error = largest_lag(some, (*forced.resonances, *forced.started_through))
     notes = list(some.notes)
     by: Literal["steady", "run-up"] = "steady"
     if error > STEADY_ERROR and run.torsional is not None and measured.quantity != "axial":
@@ -289,7 +293,7 @@ def overlay(
             held = "are in them still, because at so few speeds any would agree"
         else:
             free = ~some.wheel_constant
-            some = _part(some, np.ones(some.speed.size, dtype=bool), free)
+            some = some.part(columns=free)
             calculated, least = calculated[:, free], float(np.linalg.norm(some.amplitude))
             held = "would make any engine's agree at so few speeds: half orders alone are compared"
         notes.append(f"The constants of the wheel in whole orders {held}.")
@@ -330,34 +334,6 @@ def _place(measured: MeasuredOrders, forced: ForcedVibration) -> tuple[str, int]
     what = "the chain's elements" if of_element else "the chain's masses"
     index = index_of_name("place", place, names, what, "the sensor is at one of them")
     return names[index], index
-
-
-def _part(measured: MeasuredOrders, rows: Flags, columns: Flags) -> MeasuredOrders:
-    """Return some speeds and some orders."""
-    return replace(
-        measured,
-        orders=measured.orders[columns],
-        speed=measured.speed[rows],
-        amplitude=measured.amplitude[np.ix_(rows, columns)],
-        scatter=measured.scatter[np.ix_(rows, columns)],
-        correlation=measured.correlation[np.ix_(rows, rows)],
-        ramp=measured.ramp[rows],
-        wheel_constant=measured.wheel_constant[columns],
-    )
-
-
-def _ramp_error(measured: MeasuredOrders, forced: ForcedVibration) -> float:
-    """Return n dw/dt / (z w)^2 of the peaks passed, the largest: by so much a steady response is off."""
-    low, high = float(measured.speed.min()), float(measured.speed.max())
-    peaks = [
-        peak
-        for peak in (*forced.resonances, *forced.started_through)
-        if peak.has_peak and low <= peak.speed <= high and peak.in_band
-    ]
-    orders = np.array([peak.order for peak in peaks])
-    decay = np.array([peak.damping_ratio * 2.0 * np.pi * peak.mode_frequency for peak in peaks])
-    steepest = float(np.max(np.abs(measured.ramp)))
-    return float(np.max(orders * steepest / decay**2, initial=0.0))
 
 
 def _steady(measured: MeasuredOrders, response: ForcedResponse, index: int) -> ComplexArray:

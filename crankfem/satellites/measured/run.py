@@ -14,10 +14,8 @@ from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, Spe
 from crankbase.sentences import amount, finished, kept
 from crankbase.table import SI, Column, Main, OutputUnits, Table
 from crankfem.analyses.titles import add_title
-from crankfem.satellites.measured.measured_orders import MeasuredOrders
+from crankfem.satellites.measured.measured_orders import PRINTED_UNITS, MeasuredOrders
 from crankfem.satellites.measured.overlay import Overlay
-
-PRINTED_UNITS = {"rad": "deg", "N m": "kN m", "m": "mm", "Pa": "bar"}
 
 
 @result("order", "amplitude", "speed", eq=True)

@@ -172,9 +172,8 @@ def number_teeth(times: ArrayLike, wheel: Wheel) -> Teeth:
         number, sure = _by_marks(number, marks, steps, wheel)
     present = np.arange(number[0], number[-1] + 1) % wheel.pitches < wheel.pitches - wheel.missing
     lost = int(np.count_nonzero(present)) - number.size
-    regular = _not_this(steps, wheel, f"of {number.size} pulses {lost} are missing")
-    if not wheel.marked and "like those" in str(regular):
-        raise regular
+    if not wheel.marked and _wheel_like(steps) is not None:
+        raise _not_this(steps, wheel, f"of {number.size} pulses {lost} are missing")
     if max(lost, doubled) > MOST_MENDED * number.size:
         raise _not_this(steps, wheel, f"of {number.size} pulses {max(lost, doubled)} do not fit it")
     return Teeth(wheel, time[sure], number[sure], lost, doubled, int(np.count_nonzero(~sure)))
@@ -294,16 +293,25 @@ def _usual_nearby(shift: Integers) -> Integers:
     return usual
 
 
+def _wheel_like(steps: Integers) -> Wheel | None:
+    """Return the wheel with a gap that the pulses look like, if they do."""
+    long = np.flatnonzero(steps > 1)
+    if long.size <= 2:
+        return None
+    size = int(np.bincount(steps[long]).argmax())
+    apart = np.diff(np.flatnonzero(steps == size))
+    if not apart.size:
+        return None
+    usual = int(np.bincount(apart).argmax())
+    often = np.count_nonzero(apart == usual) > 0.5 * apart.size
+    return Wheel(usual + size - 1, size - 1) if often else None
+
+
 def _not_this(steps: Integers, wheel: Wheel, why: str) -> InputError:
     """Return the refusal, with the wheel that the pulses look like."""
     like = ""
-    long = np.flatnonzero(steps > 1)
-    if long.size > 2:
-        size = int(np.bincount(steps[long]).argmax())
-        apart = np.diff(np.flatnonzero(steps == size))
-        if apart.size and np.count_nonzero(apart == np.bincount(apart).argmax()) > 0.5 * apart.size:
-            pitches = int(np.bincount(apart).argmax()) + size - 1
-            like = f"; the pulses are like those of a wheel {pitches}-{size - 1}"
-    elif not long.size:
+    if (other := _wheel_like(steps)) is not None:
+        like = f"; the pulses are like those of a wheel {other}"
+    elif not np.any(steps > 1):
         like = "; the pulses are even, as those of a wheel without a mark"
     return InputError(f"teeth: given {wheel}; {why}{like}.")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.array_checks import Array, ComplexArray, check_shape
 from crankbase.errors import InputError
-from crankfem.satellites.measured.measured_orders import MeasuredOrders
+from crankfem.satellites.measured.measured_orders import OF_WHEEL, MeasuredOrders
 
 
 def without_wheel(measured: MeasuredOrders, constants: ArrayLike) -> MeasuredOrders:
@@ -29,7 +29,7 @@ def without_wheel(measured: MeasuredOrders, constants: ArrayLike) -> MeasuredOrd
         measured,
         amplitude=measured.amplitude - known,
         wheel_constant=np.zeros(measured.orders.size, dtype=bool),
-        notes=tuple(note for note in measured.notes if "constant of the wheel" not in note),
+        notes=tuple(note for note in measured.notes if note != OF_WHEEL),
     )
 
 

@@ -24,9 +24,15 @@ from crankfem.satellites.measured.calibration.engine_problem import (
     engine_problem,
     with_magnifier,
 )
-from crankfem.satellites.measured.calibration.fit import Fit, Observation, fit, profile
+from crankfem.satellites.measured.calibration.fit import (
+    NORMAL95,
+    Fit,
+    Observation,
+    fit,
+    profile,
+)
 from crankfem.satellites.measured.calibration.fitted_engine import FittedEngine, fitted_engine
-from crankfem.satellites.measured.calibration.gains import Gains, cylinder_gains
+from crankfem.satellites.measured.calibration.gains import CylinderGain, Gains, cylinder_gains
 from crankfem.satellites.measured.calibration.groups import MODAL
 from crankfem.satellites.measured.calibration.identifiability import (
     Further,
@@ -39,7 +45,6 @@ from dynamics.assessment.limits import usage
 
 # Further speeds that are tried, evenly over the running range, and remedies named of each direction.
 FURTHER_SPEEDS, MOST_REMEDIES = 5, 3
-INSIDE95 = 1.96
 
 
 @result("name", "factor", "low", "high")
@@ -130,25 +135,6 @@ class Predicted(Result):
     band: Number
 
 
-@result("name", "ratio", "low", "high", "weak")
-class CylinderResult(Result):
-    """Torque of a cylinder's gas over the mean of the others, with its 95 % interval.
-
-    Attributes
-    ----------
-    detectable : float
-        The least weakness, as a share, that would be found 95 of 100 times.
-    """
-
-    name: str
-    ratio: Number
-    low: Number
-    high: Number
-    detectable: Number
-    weak: bool
-    determined: bool
-
-
 @result("limit", "place", "before", "after")
 class LimitChange(Result):
     """Use of a limit with the maker's values and with the fitted ones.
@@ -232,7 +218,7 @@ class Calibration(Result):
     untold: tuple[Untold, ...]
     residuals: tuple[OrderResidual, ...]
     predicted: tuple[Predicted, ...]
-    cylinders: tuple[CylinderResult, ...]
+    cylinders: tuple[CylinderGain, ...]
     cylinder_remedies: tuple[str, ...]
     verdict: VerdictChange | None
     remarks: tuple[str, ...]
@@ -342,20 +328,7 @@ def calibrate(
             _predicted(name, model.observation(record)[0], solved)
             for name, record in (predict or {}).items()
         ),
-        cylinders=()
-        if cylinders is None
-        else tuple(
-            CylinderResult(
-                each.name,
-                each.ratio,
-                each.low,
-                each.high,
-                each.detectable,
-                each.weak,
-                each.determined,
-            )
-            for each in cylinders.cylinders
-        ),
+        cylinders=() if cylinders is None else cylinders.cylinders,
         cylinder_remedies=()
         if cylinders is None
         else tuple(what for what, _ in cylinders.remedies[:MOST_REMEDIES]),
@@ -437,13 +410,13 @@ def _predicted(name: str, observation: Observation, solved: Fit) -> Predicted:
     if not np.any(known):
         known = ~known
     off = np.abs(np.abs(y) - np.abs(measured.amplitude))[:, known]
-    width = INSIDE95 * np.hypot(deviation, measured.scatter)[:, known]
+    width = NORMAL95 * np.hypot(deviation, measured.scatter)[:, known]
     size = np.maximum(np.abs(y[:, known]), 1e-300)
     return Predicted(
         record=name,
         place=measured.place,
         inside=float(np.mean(off <= width)),
-        band=float(np.median(INSIDE95 * deviation[:, known] / size)),
+        band=float(np.median(NORMAL95 * deviation[:, known] / size)),
     )
 
 

@@ -84,6 +84,7 @@ def calibrate(
     """Fit an engine's values to measured orders; tell what they cannot, and the new verdict."""
     from crankbase.errors import InputError
     from crankfem.analyses.record import with_units
+    from crankfem.files.engine.engine_file import load_engine
     from crankfem.satellites.measured.calibration.calibrated import calibrate as calibrated
     from crankfem.satellites.measured.calibration.groups import parsed_group
     from crankfem.satellites.measured.calibration.orders_table import read_orders, wheel_orders
@@ -114,12 +115,13 @@ def calibrate(
                 overlap=overlap,
                 zero_known=not zero_unknown,
             )
-        return wheel_orders(engine, path, place, teeth, mark_angle, trusted_wheel)
+        return wheel_orders(file.engine, path, place, teeth, mark_angle, trusted_wheel)
 
+    file = load_engine(engine)
     tables = {path: measured(path, place) for path, place in zip(paths, at, strict=True)}
     with console.RunProgress(out.quiet) as progress:
         made = calibrated(
-            engine,
+            file,
             {path: tables[path] for path in records},
             dict(parsed_group(text) for text in move or ()),
             gains=gains,

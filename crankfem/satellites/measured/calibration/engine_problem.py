@@ -34,8 +34,8 @@ from crankfem.satellites.measured.calibration.groups import (
     group_of_spread,
 )
 from crankfem.satellites.measured.calibration.response_slopes import Excitation, Sensor, Shaft
-from crankfem.satellites.measured.measured_orders import MeasuredOrders
-from dynamics.assessment.uncertainty import Spread
+from crankfem.satellites.measured.measured_orders import MeasuredOrders, largest_lag
+from dynamics.assessment.uncertainty import Kind, Spread
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.chain_excitation import torque_excitation
@@ -45,7 +45,7 @@ from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
 # Sections whose fields may move: they are parts of the chain, and change no force of a cylinder.
 SECTIONS = ("flywheel", "free_end", "torsional_damper", "driven", "driver", "damping")
 # Groups of [ranges], by its fields; and the gain of the gas in all cylinders.
-RANGES = {
+RANGES: dict[str, Kind] = {
     "torsional_compliance": "compliance",
     "inertia": "inertia",
     "damping": "all damping",
@@ -198,7 +198,7 @@ class EngineModel:
     def _range(self, name: str, low: float, high: float) -> Group:
         """Return the group of a field of [ranges]."""
         places = tuple(range(self.chain.crank_elements)) if name == "torsional_compliance" else None
-        spread = Spread(RANGES[name], low, high, places, f"ranges.{name}")  # type: ignore[arg-type]
+        spread = Spread(RANGES[name], low, high, places, f"ranges.{name}")
         return group_of_spread(self.chain.chain, spread)
 
     def groups(self, moves: Mapping[str, float], gains: bool = False) -> tuple[Group, ...]:
@@ -248,13 +248,7 @@ class EngineModel:
         if not np.all(near):
             left = ", ".join(f"{order:g}" for order in orders[~near])
             remarks.append(f"Orders {left} are left out: nothing calculated excites them.")
-            measured = replace(
-                measured,
-                orders=orders[near],
-                amplitude=measured.amplitude[:, near],
-                scatter=measured.scatter[:, near],
-                wheel_constant=measured.wheel_constant[near],
-            )
+            measured = measured.part(columns=near)
         sensor = Sensor.of(self.chain.chain, measured.quantity, measured.place)
         lag = self._largest_lag(measured)
         if lag > LARGEST_LAG:
@@ -268,21 +262,14 @@ class EngineModel:
 
     def _largest_lag(self, measured: MeasuredOrders) -> float:
         """Return how far a ramp's resonances are from steady ones, of the mode that lags most."""
-        from dynamics.response.complex_modes import complex_modes
-
-        steepest = float(np.max(np.abs(measured.ramp)))
         twisted = self.run.forced_torsional
-        if not steepest or twisted is None:
-            return 0.0
-        modes = complex_modes(twisted.response)
-        decay = modes.damping_ratios * 2.0 * np.pi * modes.frequencies
-        some = (modes.frequencies > 0.0) & (decay > 0.0)
-        # Each order lags where it meets a mode within the speeds of the record.
-        w = 2.0 * np.pi * modes.frequencies[some]
-        met = w[:, np.newaxis] / measured.orders
-        inside = (met >= np.min(measured.speed)) & (met <= np.max(measured.speed))
-        lags = measured.orders * steepest / decay[some][:, np.newaxis] ** 2
-        return float(np.max(np.where(inside, lags, 0.0), initial=0.0))
+        every = () if twisted is None else (*twisted.resonances, *twisted.started_through)
+        peaks = (
+            peak
+            for peak in every
+            if np.any(np.abs(measured.orders - peak.order) <= SAME_ORDER * peak.order)
+        )
+        return largest_lag(measured, peaks)
 
 
 def engine_problem(

@@ -85,25 +85,10 @@ class Observation:
         if count <= most:
             return self
         some = np.unique(np.linspace(0, count - 1, most).astype(int))
-        return self.at_speeds(some)
-
-    def at_speeds(self, some: Array) -> "Observation":
-        """Return the observation at some of its speeds, by their indices."""
-        measured = self.measured
-        points = (
-            some[:, np.newaxis] * measured.orders.size + np.arange(measured.orders.size)
-        ).ravel()
-        part = replace(
-            measured,
-            speed=measured.speed[some],
-            amplitude=measured.amplitude[some],
-            scatter=measured.scatter[some],
-            correlation=measured.correlation[np.ix_(some, some)],
-            ramp=measured.ramp[some],
-        )
-        acting = self.excitation
+        orders, acting = self.measured.orders.size, self.excitation
+        points = (some[:, np.newaxis] * orders + np.arange(orders)).ravel()
         excitation = Excitation(acting.fixed[points], acting.sources[points], acting.nodes)
-        return Observation(part, self.sensor, excitation, self.phases)
+        return replace(self, measured=self.measured.part(some), excitation=excitation)
 
 
 class Compared(NamedTuple):
@@ -191,14 +176,19 @@ class Problem:
             off = (y - measured) / scatter
             slopes = dy / scatter[..., np.newaxis]
             return Compared(np.stack((off.real, off.imag)), np.stack((slopes.real, slopes.imag)))
-        size = np.abs(y)
-        direction = np.conj(y) / np.where(size > 0.0, size, 1.0)
-        rates = (direction[..., np.newaxis] * dy).real / scatter[..., np.newaxis]
-        return Compared(((size - np.abs(measured)) / scatter)[np.newaxis], rates[np.newaxis])
+        rates = _slopes_of_size(y, dy) / scatter[..., np.newaxis]
+        return Compared(((np.abs(y) - np.abs(measured)) / scatter)[np.newaxis], rates[np.newaxis])
 
     def thinned(self, most: int) -> "Problem":
         """Return the problem with up to so many speeds of each record."""
         return Problem(self.shaft, tuple(each.thinned(most) for each in self.observations))
+
+
+def _slopes_of_size(y: ComplexArray, dy: ComplexArray) -> Array:
+    """Return the slopes of |y| from those of y, (..., P); zero where y is."""
+    size = np.abs(y)
+    direction = np.conj(y) / np.where(size > 0.0, size, 1.0)
+    return np.asarray((direction[..., np.newaxis] * dy).real)
 
 
 def without_constants(each: Observation, values: Array, weights: Array | None = None) -> Array:
@@ -284,15 +274,18 @@ class Fit:
         low, high = np.exp(spread * (self.parameters[number] + np.array([-width, width])))
         return float(low), float(high)
 
+    def problem_of(self, observation: Observation) -> tuple[Problem, Array]:
+        """Return the problem of another observation alone, and its parameters by this fit."""
+        groups = self.problem.groups
+        beside = Problem(self.problem.shaft, (observation,))
+        return beside, np.concatenate((self.parameters[:groups], np.zeros(beside.size - groups)))
+
     def band(self, observation: Observation) -> tuple[ComplexArray, Array]:
         """Return the prediction (m, k) of an observation, and the deviation of its size from the fit's."""
         groups = self.problem.groups
-        beside = Problem(self.problem.shaft, (observation,))
-        parameters = np.concatenate((self.parameters[:groups], np.zeros(beside.size - groups)))
+        beside, parameters = self.problem_of(observation)
         y, dy = beside.predicted(parameters, 0)
-        size = np.abs(y)
-        direction = np.conj(y) / np.where(size > 0.0, size, 1.0)
-        slopes = (direction[..., np.newaxis] * dy).real[..., :groups]
+        slopes = _slopes_of_size(y, dy)[..., :groups]
         covariance = self.covariance[:groups, :groups]
         return y, np.sqrt(np.einsum("mkp,pq,mkq->mk", slopes, covariance, slopes))
 
@@ -352,6 +345,7 @@ def fit(
             explicit.start(solution),
             explicit.jacobian,
             x_scale="jac",
+            # Its stub asks for a keyword that scipy does not pass.
             loss=explicit.loss,  # type: ignore[arg-type]
             ftol=1e-6,
             max_nfev=MOST_STEPS,

@@ -117,7 +117,7 @@ class FittedEngine:
             )
         calculated = f"calculated from {self.engine_file.path.name}"
 
-        def value(field: str, place: int) -> dict[str, str]:
+        def value(field: str, place: int) -> dict[str, str | float]:
             moved = [
                 text
                 for group, text in self.sources
@@ -126,7 +126,7 @@ class FittedEngine:
             ]
             number = float(getattr(chain, field)[place])
             return {
-                "value": quantity_text(number, UNITS[field]) if field in UNITS else number,  # type: ignore[dict-item]
+                "value": quantity_text(number, UNITS[field]) if field in UNITS else number,
                 "source": "; ".join(moved) or calculated,
             }
 

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from crankbase.array_checks import Array
-from crankfem.satellites.measured.calibration.fit import Fit
+from crankbase.results import Number, Quantity, Result, result
+from crankfem.satellites.measured.calibration.fit import NORMAL95, Fit
 from crankfem.satellites.measured.calibration.groups import EXCITATION, Group, excitation_group
 from crankfem.satellites.measured.calibration.identifiability import Further
 
@@ -20,14 +22,12 @@ LEAST_WEAK = 0.08
 FALSE_NAMING, FINDING = 0.025, 1.645
 
 
-@dataclass(frozen=True)
-class CylinderGain:
+@result("name", "ratio", "low", "high", "weak")
+class CylinderGain(Result):
     """Torque of a cylinder's gas over the mean of the others.
 
     Attributes
     ----------
-    name : str
-    ratio : float
     low, high : float
         95 % interval.
     detectable : float
@@ -37,14 +37,14 @@ class CylinderGain:
     """
 
     name: str
-    ratio: float
-    low: float
-    high: float
-    detectable: float
+    ratio: Number
+    low: Number
+    high: Number
+    detectable: Number
     weak: bool
 
     @property
-    def determined(self) -> bool:
+    def determined(self) -> Annotated[bool, Quantity(key="determined")]:
         """Whether a weakness of `WEAK` would be found."""
         return self.detectable <= WEAK
 
@@ -119,8 +119,8 @@ def cylinder_gains(solved: Fit, names: Sequence[str], further: Sequence[Further]
         CylinderGain(
             name=name,
             ratio=float(np.exp(log)),
-            low=float(np.exp(log - 1.96 * deviation)),
-            high=float(np.exp(log + 1.96 * deviation)),
+            low=float(np.exp(log - NORMAL95 * deviation)),
+            high=float(np.exp(log + NORMAL95 * deviation)),
             detectable=detectable(float(deviation)),
             weak=bool(log < -limit * deviation and log < np.log1p(-LEAST_WEAK)),
         )

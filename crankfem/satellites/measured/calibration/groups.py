@@ -4,14 +4,21 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from crankbase.array_checks import Array
 from crankbase.choices import allowed_names
 from crankbase.errors import InputError, quoted
-from dynamics.assessment.uncertainty import ALL_DAMPING, DAMPINGS, FIELDS, Spread, spread_indices
+from dynamics.assessment.uncertainty import (
+    ALL_DAMPING,
+    DAMPINGS,
+    FIELDS,
+    Kind,
+    Spread,
+    spread_indices,
+)
 from dynamics.chains.chain import Chain
 
 # A maker's tolerance of 5 % is taken as 95 of 100 parts within it: two standard deviations.
@@ -107,7 +114,7 @@ def chain_group(chain: Chain, name: str, tolerance: float) -> Group:
         raise InputError(f"{name}: unknown group; {allowed_names(kind, kinds)}.")
     factor = math.exp(DEVIATIONS_OF_TOLERANCE * deviation_of(name, tolerance))
     at = tuple(place.strip() for place in places.split(",")) if places else None
-    return group_of_spread(chain, Spread(kind, 1.0 / factor, factor, at, name))  # type: ignore[arg-type]
+    return group_of_spread(chain, Spread(cast(Kind, kind), 1.0 / factor, factor, at, name))
 
 
 def excitation_group(name: str, sources: int, places: Sequence[int], tolerance: float) -> Group:

@@ -187,9 +187,7 @@ def _expected(fit: Fit, observation: Observation) -> Array:
     first = fit.problem.observations[0].measured
     size = np.sqrt(np.mean(np.abs(first.amplitude) ** 2, axis=0))
     relative = np.sqrt(np.mean(first.scatter**2, axis=0)) / np.maximum(size, TINY)
-    problem = Problem(fit.problem.shaft, (observation,))
-    groups = problem.groups
-    parameters = np.concatenate((fit.parameters[:groups], np.zeros(problem.size - groups)))
+    problem, parameters = fit.problem_of(observation)
     y, _ = problem.predicted(parameters, 0)
     usual = relative * np.sqrt(np.mean(np.abs(y) ** 2, axis=0))
     scatter = np.broadcast_to(np.maximum(usual, TINY), y.shape)
@@ -198,4 +196,4 @@ def _expected(fit: Fit, observation: Observation) -> Array:
     )
     _, slopes = Problem(problem.shaft, (scaled,)).compared(parameters, 0)
     slopes = np.sqrt(scaled.share) * without_constants(scaled, slopes)
-    return _information(slopes.reshape(-1, problem.size), groups)
+    return _information(slopes.reshape(-1, problem.size), problem.groups)

@@ -9,7 +9,7 @@ from crankbase.exported_table import ExportedTable, read_exported_table
 from crankbase.input_file import InputFile
 from crankbase.quantity import parse_quantity
 from crankbase.units import NoUnitError, OtherKindError, size_in
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.sections.engine_sections import Engine
 from crankfem.satellites.measured.measured_orders import UNITS, Measurand, MeasuredOrders
 from crankfem.satellites.measured.measurement import load, refuse_other_speeds
 from crankfem.satellites.measured.wheel_constants import without_wheel
@@ -110,14 +110,14 @@ def read_orders(
 
 
 def wheel_orders(
-    engine: str, path: str, place: str, teeth: str, mark_angle: str | None, trusted: bool
+    engine: Engine, path: str, place: str, teeth: str, mark_angle: str | None, trusted: bool
 ) -> MeasuredOrders:
     """Return the orders of a record of a toothed wheel on an engine.
 
     Parameters
     ----------
-    engine : str
-        Its file, whose strokes make the cycle and whose speeds the record must have.
+    engine : Engine
+        Whose strokes make the cycle and whose speeds the record must have.
     mark_angle : str or None
         Shaft angle when the first tooth behind the gap passes, with its unit.
     trusted : bool
@@ -128,16 +128,9 @@ def wheel_orders(
     InputError
         If the record cannot be read, or does not fit what is said of it.
     """
-    file = load_engine(engine).engine
-    angle = None if mark_angle is None else parse_quantity(mark_angle, "rad", "--mark-angle")
-    measurement = load(
-        path,
-        teeth,
-        place=place,
-        cycle=file.strokes // 2,
-        mark_angle_deg=None if angle is None else float(np.degrees(angle)),
-    )
-    refuse_other_speeds(measurement, file.lowest_speed, file.highest_speed)
+    angle = None if mark_angle is None else parse_quantity(mark_angle, "deg", "--mark-angle")
+    measurement = load(path, teeth, place=place, cycle=engine.strokes // 2, mark_angle_deg=angle)
+    refuse_other_speeds(measurement, engine.lowest_speed, engine.highest_speed)
     orders = measurement.orders()
     none = np.zeros(orders.orders.size)
     return without_wheel(orders, none) if trusted else orders
