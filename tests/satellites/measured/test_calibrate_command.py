@@ -74,12 +74,17 @@ def pulse_times(seconds: float = 40.0):
     of = model()
     groups = of.groups(FIELDS)
     low, high = np.array([700.0, 1500.0]) * np.pi / 30.0
-    speed = np.linspace(low, high, 60)
+    speed = np.linspace(low, high, 600)
     acting = of.excitation(ORDERS, speed)
     w, over = np.outer(speed, ORDERS).ravel(), np.repeat(speed, ORDERS.size)
     y, _ = of.shaft(groups).amplitudes(TRUTH[:4], Sensor(0), w, over, acting)
-    orders = CubicSpline(speed, y.reshape(60, -1))
+    steady = CubicSpline(speed, y.reshape(speed.size, -1))
     ramp = (high - low) / seconds
+
+    def orders(at):
+        """Amplitudes with their lag: of the frequency w = n at, which grows by n ramp, to the first order."""
+        return steady(at) - 0.5j * ramp / ORDERS * steady(at, 2)
+
     # Eight rigid angles to a pitch, at which the wheel is turned by its vibration.
     rigid = np.arange(0.0, 0.5 * (low + high) * seconds, 2.0 * np.pi / 480.0)
     time = (np.sqrt(low**2 + 2.0 * ramp * rigid) - low) / ramp
