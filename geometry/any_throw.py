@@ -116,6 +116,10 @@ class CadPart(Protocol):
 Throw = CrankThrow | CadPart
 
 
+# Why rules, formulas and drawings refuse a throw from CAD.
+NO_DIMENSIONS = "a STEP file gives none"
+
+
 def dimensioned(throws: Mapping[str, Throw]) -> dict[str, CrankThrow]:
     """Return the throws with dimensions: rules and formulas take no others."""
     return {name: throw for name, throw in throws.items() if isinstance(throw, CrankThrow)}
@@ -126,6 +130,6 @@ def with_dimensions(throw: Throw) -> CrankThrow:
     if isinstance(throw, CrankThrow):
         return throw
     raise InputError(
-        f"throw: given that of {Path(throw.path).name}; allowed here are throws of dimensions, which a STEP "
-        "file does not give."
+        f"throw: given that of {Path(throw.path).name}; allowed is one of dimensions, because "
+        f"{NO_DIMENSIONS}."
     )

@@ -68,7 +68,11 @@ def _of_vibration(vibration: EngineVibration) -> str:
     words, end = kept(assessment.verdict.headline), ""
     if status == "undecided":
         words = f"{words} with the values used"
-        end = f"; {_why_undecided(assessment)}"
+        end = f"; {VERDICTS[status].lower()}"
+        whole, failed = assessment.by_whole_shaft, assessment.verdict.status == "not acceptable"
+        if whole is not None and (whole.status == "not acceptable") != failed:
+            other = "acceptable" if failed else "not acceptable"
+            end = f"{end}, as that is by the lumped model: by the whole crankshaft it is {other}"
     misfiring = misfiring_decides(vibration)
     if assessment.verdict.status == "not acceptable":
         return f"{words}{', also while a cylinder misfires' if misfiring else ''}{end}"
@@ -78,16 +82,6 @@ def _of_vibration(vibration: EngineVibration) -> str:
         words = f"{words}{normal}; limits are exceeded while a cylinder misfires"
     unjudged = status == "fine" and not _axial_judged(assessment)
     return f"{words}{'; axial vibration is not judged' if unjudged else ''}{end}"
-
-
-def _why_undecided(assessment: Assessment) -> str:
-    """State that a verdict is undecided, and whether it is because the models disagree."""
-    whole, undecided = assessment.by_whole_shaft, VERDICTS["undecided"].lower()
-    chains = assessment.verdict.status
-    if whole is None or (whole.status == "not acceptable") == (chains == "not acceptable"):
-        return undecided
-    other = "not acceptable" if whole.status == "not acceptable" else "acceptable"
-    return f"{undecided}, as that is by the lumped model: by the whole crankshaft it is {other}"
 
 
 def misfiring_decides(vibration: EngineVibration) -> bool:
@@ -243,6 +237,11 @@ def _of_assessment(grounds: Grounds, assessment: Assessment) -> list[Finding]:
     )
     misfiring = grounds.vibration.misfiring
     misfires = grounds.vibration.misfiring_note if misfiring is None else misfiring.sentence
+    # What is not modeled, and whether the verdict hangs on the bearings; their range stands in both.
+    other_models = [*assessment.all_beside[len(assessment.by_whole) :]]
+    bearings = grounds.vibration.bearings
+    if bearings is not None and bearings.flips:
+        other_models += bearings.sentences
     return [
         *([assumed] if assessment.undecided else []),
         Finding("Limits", "limits", 0, (_reached(assessment),), (), place),
@@ -251,7 +250,7 @@ def _of_assessment(grounds: Grounds, assessment: Assessment) -> list[Finding]:
         Finding("What helps", "limits", 4, helps, (_measures(grounds, assessment),), place),
         Finding("Misfiring", "limits", 0, (sentence(misfires) if misfires else "",)),
         *([] if assessment.undecided else [assumed]),
-        Finding("Models", "whole", 0, _other_models(grounds.vibration, assessment)),
+        Finding("Models", "whole", 0, tuple(dict.fromkeys(other_models))),
         Finding("Strength", "strength", 6, strong, weak, ("strength",)),
         Finding("Checks", "checks", 7 if wrong else 1, (failed,), (failed,), names),
     ]
@@ -444,14 +443,6 @@ def _by_whole(vibration: EngineVibration, assessment: Assessment) -> tuple[str, 
     return tuple(found)
 
 
-def _other_models(vibration: EngineVibration, assessment: Assessment) -> tuple[str, ...]:
-    """State what is not modeled, and whether the verdict hangs on the bearings."""
-    bearings = vibration.bearings
-    found = [*assessment.all_beside[len(assessment.by_whole) :]]
-    found += bearings.sentences if bearings is not None and bearings.flips else ()
-    return tuple(dict.fromkeys(found))  # the range of the bearings stands in both
-
-
 @dataclass(frozen=True)
 class Remedy:
     """What can help at a place where a limit is exceeded.
@@ -520,18 +511,13 @@ def _remedy(grounds: Grounds, worst: LimitCheck) -> Remedy | None:
     modes = sorted({(part.kind, part.mode) for part in resonant if part.contribution > least})
     named = " and ".join(f"{kind} mode {mode}" for kind, mode in modes)
     enough = left.value <= worst.permitted
-    undamped, speed = _undamped(modes, grounds), speed_shown(worst.worst_speed)
+    sections = {record.field.partition(".")[0] for record in grounds.inputs}
+    undamped = ""
+    torsional = any(kind == "torsional" for kind, _ in modes)
+    if torsional and not sections & {"torsional_damper", "shaft_line"}:
+        undamped = " (the file has no torsional damper)"
+    speed = speed_shown(worst.worst_speed)
     return Remedy(together, rest, permitted, enough, named, undamped, speed)
-
-
-def _undamped(modes: Sequence[tuple[str, int]], grounds: Grounds) -> str:
-    """Remark that there is no torsional damper, where a torsional mode is at resonance."""
-    fields = [record.field.partition(".")[0] for record in grounds.inputs]
-    if "torsional_damper" in fields or "shaft_line" in fields:
-        return ""
-    return (
-        " (the file has no torsional damper)" if any(one[0] == "torsional" for one in modes) else ""
-    )
 
 
 def _warned(grounds: Grounds) -> list[Finding]:

@@ -58,7 +58,7 @@ def provenance() -> Provenance:
         f"{platform.python_implementation()} {platform.python_version()}",
         platform.platform(),
         os.cpu_count() or 1,
-        {name: _installed(name) for name in PACKAGES},
+        {name: installed_version(name) for name in PACKAGES},
     )
 
 
@@ -133,7 +133,8 @@ def _relative_name(engine_file: Path, path: Path) -> str:
     return path.as_posix()
 
 
-def _installed(name: str) -> str | None:
+def installed_version(name: str) -> str | None:
+    """Version of a package; None if it is not installed."""
     try:
         return version(name)
     except PackageNotFoundError:

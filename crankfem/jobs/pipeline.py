@@ -23,7 +23,6 @@ from crankfem.analyses.throw.stress import (
     stresses_or_reason,
 )
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.jobs.run_computation import RunComputation, RunInputs, ThrowComputation, read_inputs
 from crankfem.jobs.run_drawing import Renderings, draw_run
@@ -43,7 +42,6 @@ from crankfem.jobs.run_files import (
 )
 from crankfem.jobs.run_records import run_results
 from crankfem.report.writing import write_report
-from fem.analysis import ThrowAnalysis
 from fem.fillet_stress import FilletMesh
 from regression.runs.store import ResultStore
 from regression.runs.study import check_workers, run_plan
@@ -167,7 +165,17 @@ def _compute(
     first, *_ = names = tuple(dict.fromkeys(engine_file.throw_names))
 
     reporter.step("Calculating stresses at the fillets")
-    throws = {name: _with_stresses(engine_file, analyses[name], name, reporter) for name in names}
+    strength_asked = engine_file.strength
+    by_rule = strength_asked is not None and strength_asked.factors == "finite elements"
+    mesh: FilletMesh = "m53" if by_rule else "adaptive"
+    throws = {}
+    for name in names:
+        throw = engine_file.named_throws[name]
+        stresses, reason = stresses_or_reason(throw, engine_file.material, mesh)
+        if stresses is None:
+            of_throw = f" of throw {name}" if engine_file.throws_by_name else ""
+            reporter.note(f"No stresses at the fillets{of_throw}: {reason}")
+        throws[name] = ThrowComputation(analyses[name], stresses, reason)
     stresses = throws[first].stresses
     if stresses is not None:
         shown = shown_loads(stresses)
@@ -222,19 +230,3 @@ def _compute(
         fatigue,
         fatigue_note,
     )
-
-
-def _with_stresses(
-    engine_file: EngineFile, analysis: ThrowAnalysis, name: str, reporter: TimedProgress
-) -> ThrowComputation:
-    """Compute the stresses at the fillets of a throw, where there are any."""
-    strength = engine_file.strength
-    mesh: FilletMesh = "adaptive"
-    if strength is not None and strength.factors == "finite elements":
-        mesh = "m53"
-    throw = engine_file.named_throws[name]
-    stresses, reason = stresses_or_reason(throw, engine_file.material, mesh)
-    if stresses is None:
-        of_throw = f" of throw {name}" if engine_file.throws_by_name else ""
-        reporter.note(f"No stresses at the fillets{of_throw}: {reason}")
-    return ThrowComputation(analysis, stresses, reason)

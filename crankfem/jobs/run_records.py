@@ -31,7 +31,7 @@ from crankfem.analyses.throw.formula_records import (
 from crankfem.analyses.throw.stress import stress_results
 from crankfem.analyses.throw.throw_record import UNIT_RADIAL_FORCE, reciprocity, throw_results
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.jobs.run_computation import RunComputation, RunInputs
+from crankfem.jobs.run_computation import RunComputation
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from fem.analysis import ThrowAnalysis
@@ -99,6 +99,10 @@ def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
 def _throw_results(computed: RunComputation) -> dict[str, NamedThrow]:
     """Return the results of each distinct throw."""
     engine_file, records = computed.engine_file, {}
+    radial_force = UNIT_RADIAL_FORCE
+    if engine_file.pressure:  # that of the gas at firing top dead center
+        above = max(pressure.peak_pressure for pressure in engine_file.pressure) - ATMOSPHERE
+        radial_force = above * math.pi / 4.0 * engine_file.engine.bore**2
     for name, throw in computed.throws.items():
         records[name] = NamedThrow(
             cranks=tuple(
@@ -107,7 +111,7 @@ def _throw_results(computed: RunComputation) -> dict[str, NamedThrow]:
                 if throw_name == name
             ),
             throw=replace(
-                throw_results(throw.analysis, _radial_force(computed.inputs), slopes=True),
+                throw_results(throw.analysis, radial_force, slopes=True),
                 reciprocity=reciprocity(throw.analysis),
             ),
             formulas=_formulas(computed, name, throw.analysis),
@@ -139,15 +143,6 @@ def _formulas(computed: RunComputation, name: str, analysis: ThrowAnalysis) -> F
             continue
         values[kind] = Regression.by_equation(value, model.responses[response], source, *remarks)
     return replace(formulas, left_out=(*formulas.left_out, *without), regression=values or None)
-
-
-def _radial_force(inputs: RunInputs) -> float:
-    """Radial force at firing top dead center: gas pressure on the piston [N]."""
-    pressures = inputs.engine_file.pressure
-    if not pressures:
-        return UNIT_RADIAL_FORCE
-    above = max(pressure.peak_pressure for pressure in pressures) - ATMOSPHERE
-    return above * math.pi / 4.0 * inputs.engine_file.engine.bore**2
 
 
 def _engine_facts(engine_file: EngineFile) -> EngineFacts:

@@ -98,16 +98,19 @@ def tiles(results: "RunResults") -> list[Record]:
         None if assessment is None else _whole(vibration, assessment),
         _assumed_inputs(results),
     )
-    keys = ("label", "value", "details", "section", "mark")
-    return [dict(zip(keys, _finished(tile), strict=True)) for tile in made if tile is not None]
+    return [
+        {
+            "label": label,
+            "value": finished(value),
+            "details": list(map(finished, details)),
+            "section": section,
+            "mark": mark,
+        }
+        for label, value, details, section, mark in filter(None, made)
+    ]
 
 
 Tile = tuple[str, str, list[str], str, str]
-
-
-def _finished(tile: Tile) -> Tile:
-    label, value, details, section, mark = tile
-    return label, finished(value), list(map(finished, details)), section, mark
 
 
 def _deciding_use(assessment: Assessment) -> Tile:

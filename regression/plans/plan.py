@@ -347,6 +347,10 @@ class StudyPlan:
             check_ranges(self.factors, self.design.kind)
         self.variants()  # refuses what does not fit together
 
+    def __hash__(self) -> int:
+        # Mappings among the fields have none.
+        return hash(self.key)
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the factors."""

@@ -46,6 +46,13 @@ def test_values_are_read_in_si_units():
     assert firing == [0, 480, 240, 600, 120, 360]
 
 
+def test_equal_engines_and_studies_have_equal_hashes():
+    engine, again = load_engine("6chn25-34"), load_engine("6chn25-34")
+    assert (engine, hash(engine)) == (again, hash(again))
+    assert len({engine, again, engine.changed(engine={"rated_speed": 50.0})}) == 2
+    assert len({engine.study, again.study, replace(engine.study, seed=2)}) == 2
+
+
 def test_names_of_sources_are_found_as_words_only(tmp_path, six_cylinders, edit):
     text = edit(six_cylinders, {"sources.a": '"one letter"', "piston.mass": '"30 kg"'})
     text = edit(text, {"rod.mass": '{ value = "56 kg", source = "a, table of data" }'})

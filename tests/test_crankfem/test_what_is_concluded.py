@@ -12,6 +12,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
+from crankbase.sentences import finished
 from crankfem.analyses.findings import verdict_line
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
@@ -24,7 +25,7 @@ from crankfem.analyses.vibration.tables import (
     speed_table,
 )
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.report.summary import _finished, _first_frequencies, _worst_critical
+from crankfem.report.summary import _first_frequencies, _worst_critical
 
 FILE = Path(__file__).parents[2] / "data/engines/vw-tdi.toml"
 RPM = 30.0 / np.pi
@@ -64,9 +65,9 @@ def test_the_first_frequency_is_the_lowest_whatever_moves_in_it(run):
     first, own = run.torsional.first_mode, run.torsional.crankshaft_mode
     assert first.frequency == close(alone, rel=5e-3)
     assert own.number == 2
-    _, value, details, *_ = _finished(_first_frequencies(run))
-    assert value.startswith("17.0 / ")
-    assert any(f"torsional mode 2 {own.frequency:.0f} Hz" in text for text in details)
+    _, value, details, *_ = _first_frequencies(run)
+    assert finished(value).startswith("17.0 / ")
+    assert any(f"torsional mode 2 {own.frequency:.0f} Hz" in finished(text) for text in details)
 
 
 def test_a_critical_speed_below_idling_stands_in_a_table(run):
@@ -98,7 +99,7 @@ def test_what_cannot_be_passed_on_starting_decides(run):
     # The order that makes it, and its critical speed.
     main = max(check.cause.parts, key=lambda part: part.contribution)
     assert (main.order, main.mode, main.kind) == (2.0, 1, "torsional")
-    shown = float(_finished(_worst_critical(run))[1].split()[0])
+    shown = float(finished(_worst_critical(run)[1]).split()[0])
     assert shown == close(check.worst_speed * RPM, rel=0.01)
     assert any(
         line.speed is not None and line.speed < IDLE / RPM

@@ -244,30 +244,25 @@ def piston_accelerations(
                 mean_largest=0.5 * float(np.max(curves[main]) + np.max(curves[number])),
             )
         )
-    return PistonAccelerations(
-        speed,
-        tuple(_piston(layout, speed, number, alpha, curve) for number, curve in curves.items()),
-        tuple(differences),
-    )
-
-
-def _piston(
-    layout: EngineLayout, speed: float, number: int, alpha: Array, whole: Array
-) -> PistonAcceleration:
-    parts = acceleration_orders(layout, number, speed, HIGHEST_ORDER)
-    amplitude, cosine, sine = (
-        values[:HIGHEST_ORDER] for values in (parts.amplitude, parts.cosine, parts.sine)
-    )
-    zero = amplitude <= ROUND_OFF * amplitude[0]
-    # Adding zero makes a negative zero positive.
-    phase = np.round(np.degrees(np.arctan2(sine, cosine)), 9) + 0.0
-    left = whole - sum(order_part(parts, order, alpha) for order in ORDERS)
-    return PistonAcceleration(
-        cylinder=number,
-        rod=_rod(layout, number),
-        largest=float(np.max(whole)),
-        orders=tuple(range(1, HIGHEST_ORDER + 1)),
-        amplitude=np.where(zero, 0.0, amplitude),
-        phase_deg=np.where(zero, 0.0, phase),
-        left=float(np.max(np.abs(left))),
-    )
+    pistons = []
+    for number, whole in curves.items():
+        parts = acceleration_orders(layout, number, speed, HIGHEST_ORDER)
+        amplitude, cosine, sine = (
+            values[:HIGHEST_ORDER] for values in (parts.amplitude, parts.cosine, parts.sine)
+        )
+        zero = amplitude <= ROUND_OFF * amplitude[0]
+        # Adding zero makes a negative zero positive.
+        phase = np.round(np.degrees(np.arctan2(sine, cosine)), 9) + 0.0
+        left = whole - sum(order_part(parts, order, alpha) for order in ORDERS)
+        pistons.append(
+            PistonAcceleration(
+                cylinder=number,
+                rod=_rod(layout, number),
+                largest=float(np.max(whole)),
+                orders=tuple(range(1, HIGHEST_ORDER + 1)),
+                amplitude=np.where(zero, 0.0, amplitude),
+                phase_deg=np.where(zero, 0.0, phase),
+                left=float(np.max(np.abs(left))),
+            )
+        )
+    return PistonAccelerations(speed, tuple(pistons), tuple(differences))

@@ -46,9 +46,7 @@ def _of_each_throw(
     answers: dict[Throw, Answer] = {}
     for name, throw in engine_file.named_throws.items():
         try:
-            if not isinstance(throw, CrankThrow):
-                raise InputError(f"{Path(throw.path).name} gives no dimensions")
-            answers[throw] = look_up(throw)
+            answers[throw] = look_up(with_dimensions(throw))
         except InputError as error:
             which = f"throw {name}" if engine_file.throws_by_name else "this throw"
             raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
@@ -507,13 +505,19 @@ def _formula_spread(
     here = _row(engine_file, kind, source, throws, engine_file.material) / sum(by_elements)
     ratios = [(here, error)]
     single = all(len(throw.parts.pins) == 1 for throw in throws)
+    sides = np.array(neighbor_angles(engine_file.throw_angles_deg))
     for analyzed_throw in analyzed_throws():
         if single and len(analyzed_throw.throw.parts.pins) > 1:
             continue
         row = _row(
             engine_file, kind, source, [analyzed_throw.throw] * len(throws), analyzed_throw.material
         )
-        beside = row / _elements(engine_file, kind, analyzed_throw)
+        if kind == "torsional":
+            at_all_cranks = analyzed_throw.torsional * len(sides)
+        else:
+            ends = between_values(sides, analyzed_throw.axial)
+            at_all_cranks = float(np.mean(ends, axis=1).sum())
+        beside = row / at_all_cranks
         if beside > 0.0:
             ratios.append((beside, analyzed_throw.error_estimate))
     others = [beside for beside, _ in ratios[1:]]
@@ -541,15 +545,6 @@ def _row(
         else torsional_by_formulas(throws, material)
     )
     return float(sources[source][0].sum())
-
-
-def _elements(engine_file: EngineFile, kind: str, analyzed_throw: AnalyzedThrow) -> float:
-    """Sum of the compliances by finite elements of one throw at all cranks of an engine."""
-    sides = neighbor_angles(engine_file.throw_angles_deg)
-    if kind == "torsional":
-        return analyzed_throw.torsional * len(sides)
-    ends = between_values(np.array(sides), analyzed_throw.axial)
-    return float(np.mean(ends, axis=1).sum())
 
 
 @cache

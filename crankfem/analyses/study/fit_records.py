@@ -3,14 +3,13 @@
 import datetime
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.results import made_from
-from crankfem.analyses.provenance import program_version
+from crankfem.analyses.provenance import installed_version, program_version
 from crankfem.analyses.study.nominal_throw import sensitivities
 from crankfem.analyses.study.response_fits import ResponseFits
 from crankfem.analyses.study.study_results import (
@@ -23,7 +22,6 @@ from fem.response_table import RESPONSES
 from fem.symmetry import SHARED
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
-from regression.fits.fit import Fit
 from regression.fits.forms import constant_groups
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
@@ -31,6 +29,9 @@ from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import MEASURED, ExtraRow
 from regression.runs.study_table import StudyTable
 from regression.throw_values import throw_values
+
+# Packages that a study's results depend on most.
+MESHING = ("gmsh", "scikit-fem")
 
 
 def compliance_model(
@@ -54,10 +55,23 @@ def compliance_model(
         for name, response in fits.items()
     }
     numbers = [factor for factor in plan.factors if not factor.labels]
+    responses = {}
+    for name, response in fits.items():
+        fit = chosen[name]
+        # The ranges of the study, where the runs of a space-filling design stay a little inside.
+        inside = [factor for factor in plan.factors if factor.name in fit.factors]
+        responses[name] = ResponseModel.from_fit(
+            fit,
+            symbol=response.symbol,
+            unit=response.unit,
+            support=response.support,
+            lowest={factor.name: factor.lowest for factor in inside},
+            highest={factor.name: factor.highest for factor in inside},
+            fe_error=response.fe_error,
+            equation=fit.equation,
+        )
     return ComplianceModel(
-        responses={
-            name: _response_model(response, chosen[name], plan) for name, response in fits.items()
-        },
+        responses=responses,
         fixed={name: value for name, value in unvaried.items() if isinstance(value, float)},
         ranges={factor.name: (factor.lowest, factor.highest) for factor in numbers},
         categories={factor.name: factor.labels for factor in plan.factors if factor.labels},
@@ -77,7 +91,7 @@ def compliance_model(
             "accuracy": plan.accuracy,
             "model_version": MODEL_VERSION,
             "crankfem": program_version(),
-            **{name: package_version(name) for name in ("gmsh", "scikit-fem")},
+            **{name: installed_version(name) or "not installed" for name in MESHING},
             "date": datetime.date.today().isoformat(),
             "design": plan.design.kind,
             "end_sections": f"rigid; between neighbors polynomials of degree {SHARED}",
@@ -89,29 +103,6 @@ def compliance_model(
             ),
         },
     )
-
-
-def _response_model(fits: ResponseFits, fit: Fit, plan: StudyPlan) -> ResponseModel:
-    inside = [factor for factor in plan.factors if factor.name in fit.factors]
-    # The ranges of the study, where the runs of a space-filling design stay a little inside.
-    return ResponseModel.from_fit(
-        fit,
-        symbol=fits.symbol,
-        unit=fits.unit,
-        support=fits.support,
-        lowest={factor.name: factor.lowest for factor in inside},
-        highest={factor.name: factor.highest for factor in inside},
-        fe_error=fits.fe_error,
-        equation=fit.equation,
-    )
-
-
-def package_version(name: str) -> str:
-    """Return the installed version of a package, or a mark that it runs uninstalled."""
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 def fitted_study(

@@ -1,6 +1,5 @@
 """The throw of an engine file in a study's equations: sensitivities, and sweeps along a factor."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -40,7 +39,7 @@ def sensitivities(table: StudyTable, response: ResponseFits) -> Sensitivities:
     if not plan.constraints:
         sobol = sobol_indices(model, plan.factors)
     else:
-        sample = _kept_sample(json.dumps(plan.as_record()))
+        sample = _kept_sample(plan)
         sobol = None if sample is None else constrained_indices(model, sample)
     return Sensitivities(
         nominal={
@@ -54,9 +53,8 @@ def sensitivities(table: StudyTable, response: ResponseFits) -> Sensitivities:
 
 
 @lru_cache(maxsize=2)
-def _kept_sample(record: str) -> RegionSample | None:
+def _kept_sample(plan: StudyPlan) -> RegionSample | None:
     """Sample the ranges within a plan's constraints, once for all responses."""
-    plan = StudyPlan.from_record(json.loads(record))
     return region_sample(plan.factors, plan.variants().keep_constraints)
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from crankbase.errors import InputError
@@ -14,7 +13,6 @@ from crankbase.table import SI, OutputUnits
 from fem.material import Material
 from geometry.any_throw import Throw, with_dimensions
 from geometry.throw import CrankThrow
-from regression.law.superelement import law_reactions
 from regression.law.throw_law import AxialLaw, TorsionalLaw, throw_laws
 from regression.models.angle import between_ends, fold_angle
 
@@ -127,8 +125,6 @@ class LawResults(Result):
 
 def law_results(throw: Throw, material: Material, gamma_deg: float | None = None) -> LawResults:
     """Return `law_answers`, or why there are none."""
-    if not isinstance(throw, CrankThrow):
-        return LawResults(None, f"{Path(throw.path).name} gives no dimensions.")
     try:
         return LawResults(law_answers(throw, material, gamma_deg), None)
     except InputError as error:
@@ -163,7 +159,9 @@ def law_lookups(
     throw: CrankThrow, material: Material, gamma_deg: float | None = None
 ) -> LawLookups:
     """Look a throw up by the law; arguments and errors as `law_answers`."""
-    from regression.models.lookup import Lookup  # here: engines do without
+    # Here: engines do without.
+    from regression.law.superelement import law_reactions
+    from regression.models.lookup import Lookup
 
     answers = {
         name: Lookup(

@@ -206,13 +206,21 @@ class StressResults(Result):
 
     def tables(self, units: OutputUnits = SI) -> list[Table]:
         """Return a table of the largest stresses for each load; of a symmetric throw the left half."""
-        length = units.of("mm")
+        length, pascals = units.of("mm"), units.of("MPa")
+        digits = 2 if length.wished else 1
         tables = []
         for load in self.loads:
             holes = load.oil_holes
             shown = load.fillets[: len(load.fillets) // 2] if self.mirrored else load.fillets
             peaks: tuple[FilletStress | OilHoleStress, ...] = (*shown, *holes)
-            stress = _stress_per_load(load.unit, units)
+            # In Pa per N or N m of the load.
+            newtons = units.of(load.unit)
+            per = f"{LOAD:.0f} {newtons.name}" if newtons.wished else f"k{load.unit}"
+            stress = OutputUnit(
+                f"{pascals.name} per {per}",
+                pascals.size / (LOAD * newtons.size),
+                wished=pascals.wished or newtons.wished,
+            )
             by_rule = any(peak.rule_factor is not None for peak in peaks)
             tables.append(
                 Table(
@@ -233,7 +241,10 @@ class StressResults(Result):
                             peak.name.replace("main journal", "journal"),
                             *(peak.principal, peak.von_mises, peak.nominal, peak.factor),
                             *([peak.rule_factor] if by_rule else []),
-                            _place(peak.principal_place, length),
+                            " ".join(
+                                f"{round(value / length.size, digits) + 0.0:.{digits}f}"
+                                for value in peak.principal_place
+                            ),
                         ]
                         for peak in peaks
                     ],
@@ -376,20 +387,3 @@ def _up(value: float, decimals: int) -> str:
 def _down(value: float, decimals: int) -> str:
     """Return a number rounded down, so that a value below its limit never appears to meet it."""
     return f"{math.floor(round(value * 10**decimals, 6)) / 10**decimals:.{decimals}f}"
-
-
-def _stress_per_load(unit: str, units: OutputUnits) -> OutputUnit:
-    """Return the unit of a stress per load of "N" or "N m", in Pa per SI unit of the load."""
-    stress, load = units.of("MPa"), units.of(unit)
-    name = f"{LOAD:.0f} {load.name}" if load.wished else f"k{unit}"
-    return OutputUnit(
-        f"{stress.name} per {name}",
-        stress.size / (LOAD * load.size),
-        wished=stress.wished or load.wished,
-    )
-
-
-def _place(place: Array, length: OutputUnit) -> str:
-    values = [value / length.size for value in place]
-    digits = 2 if length.wished else 1
-    return " ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)

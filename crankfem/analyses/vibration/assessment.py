@@ -238,19 +238,6 @@ def _factors(spread: Spread) -> list[float]:
     return factors
 
 
-def _scaled(vibration: Vibration, spread: Spread, factor: float) -> Vibration:
-    """Return a kind of vibration with the chosen compliances multiplied by a factor."""
-    chosen = vibration.chosen
-    chain = scaled_chain(chosen.chain.chain, [spread], [factor])
-    changed = replace(
-        chosen,
-        compliances=factor * chosen.compliances,
-        chain=replace(chosen.chain, chain=chain),
-        modes=chain.modes(),
-    )
-    return replace(vibration, chosen=changed)
-
-
 def _joined(each: Sequence[Sequence[Range]]) -> tuple[Range, ...]:
     """Ranges over all factors: between two factors with equally many, each is joined to its counterpart."""
     swept = [own for ranges in each for own in ranges]
@@ -607,10 +594,22 @@ def assess(
         if vibration.kind == "torsional" or judges_axial(engine_file):
             (spread,) = (spread for spread in spreads if spread.kind == "compliance")
             tried = {1.0: verdict.started_through + verdict.barred}
+            chosen = vibration.chosen
             for factor in _factors(spread):
-                scaled = _scaled(vibration, spread, factor)
-                changed = tuple(scaled if chain is vibration else chain for chain in chains)
-                tried[factor] = again(engine_file, changed)
+                chain = scaled_chain(chosen.chain.chain, [spread], [factor])
+                scaled = replace(
+                    chosen,
+                    compliances=factor * chosen.compliances,
+                    chain=replace(chosen.chain, chain=chain),
+                    modes=chain.modes(),
+                )
+                tried[factor] = again(
+                    engine_file,
+                    [
+                        replace(kind, chosen=scaled) if kind is vibration else kind
+                        for kind in chains
+                    ],
+                )
             tried = dict(sorted(tried.items()))
             trials += _source_trials(engine_file, vibration, tried)
             barred = _joined([ranges_to_bar(ranges) for ranges in tried.values()])

@@ -507,25 +507,29 @@ def _misfiring(added: Superposition, speeds: Array) -> Misfiring:
         key=lambda key: each[key][worst[key]].used,
         default=None,
     )
-    checks = [
-        FiringCheck(
-            quantity=quantities[key].name,
-            unit=quantities[key].unit,
-            limit=quantities[key].limit,
-            normal=by_case[()],
-            cylinders=worst[key],
-            misfiring=by_case[worst[key]],
-            each={case: reached_in_case for case, reached_in_case in by_case.items() if case},
-            over_speed=None
-            if key != drawn
-            else _over_speed(
-                stresses[key, ()], stresses[key, worst[key]], by_case[worst[key]].place
-            ),
-            new=_new(added, key, by_case, worst[key], alone.get(key)),
+    checks = []
+    for key, by_case in each.items():
+        case, over_speed = worst[key], None
+        if key == drawn:
+            firing, failing = (
+                at_place(stresses[key, out], by_case[case].place).synthesis.amplitude[:, 0]
+                for out in ((), case)
+            )
+            over_speed = stresses[key, ()].speeds, firing, failing
+        checks.append(
+            FiringCheck(
+                quantity=quantities[key].name,
+                unit=quantities[key].unit,
+                limit=quantities[key].limit,
+                normal=by_case[()],
+                cylinders=case,
+                misfiring=by_case[case],
+                each={out: reached for out, reached in by_case.items() if out},
+                over_speed=over_speed,
+                new=_new(added, key, by_case, case, alone.get(key)),
+            )
         )
-        for key, by_case in each.items()
-    ]
-    failing, normal = (
+    while_failing, normal = (
         _ranges(speeds, flags, _crossings(partial(_exceeded, added, of), speeds, flags))
         for flags, of in ((exceeded, cases), (unkept, [()]))
     )
@@ -545,8 +549,8 @@ def _misfiring(added: Superposition, speeds: Array) -> Misfiring:
                 ),
             )
         ),
-        exceeded=failing,
-        remaining=_between(_joined(sorted((*failing, *normal))), running),
+        exceeded=while_failing,
+        remaining=_between(_joined(sorted((*while_failing, *normal))), running),
         running_range=running,
     )
 
@@ -626,16 +630,6 @@ def _between(
     starts = (*(low for low, _ in ranges), ends[1])
     pairs = zip(stops, starts, strict=True)
     return tuple((float(low), float(high)) for low, high in pairs if high > low * (1.0 + NARROW))
-
-
-def _over_speed(
-    firing: OrderSeries, failing: OrderSeries, place: str
-) -> tuple[Array, Array, Array]:
-    """Return speeds, and the amplitude at a place in normal firing and in a case of misfiring."""
-    normal, worst = (
-        at_place(series, place).synthesis.amplitude[:, 0] for series in (firing, failing)
-    )
-    return firing.speeds, normal, worst
 
 
 def _ranges(

@@ -1,7 +1,7 @@
 """The whole vibration calculation of an engine: modes, forced response, verdict, whole crankshaft."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -348,7 +348,14 @@ def engine_vibration(
     tell = step or (lambda _: None)
     read = engine if isinstance(engine, EngineFile) else load_engine(engine)
     analyses = None if analysis is None else analyses_by_name(read, analysis)
-    _check_same_engine(read, analyses)
+    for name, throw_analysis in (analyses or {}).items():
+        calculated = throw_analysis.throw, throw_analysis.material
+        if calculated != (read.named_throws[name], read.material):
+            throw = f"named_throws[{name!r}]" if read.throws_by_name else "throw"
+            raise InputError(
+                "analysis: given that of another throw or material; allowed is that of the engine's own, by "
+                f"analyze_throw(engine.{throw}, engine.material), because its compliances are used."
+            )
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read) if forcing else None
     refuse_vibration(read)
@@ -437,14 +444,3 @@ def engine_vibration(
         bearings=sweep,
         axial_force=axial_force,
     )
-
-
-def _check_same_engine(engine: EngineFile, analyses: Mapping[str, ThrowAnalysis] | None) -> None:
-    """Refuse analyses of another engine, or of an earlier state of this one."""
-    for name, analysis in (analyses or {}).items():
-        if (analysis.throw, analysis.material) != (engine.named_throws[name], engine.material):
-            throw = f"named_throws[{name!r}]" if engine.throws_by_name else "throw"
-            raise InputError(
-                "analysis: given that of another throw or material; allowed is that of the engine's own, by "
-                f"analyze_throw(engine.{throw}, engine.material), because its compliances are used."
-            )

@@ -91,7 +91,16 @@ def formulas(
                     f"{option}: given together with --published; allowed is one of the two, because the "
                     "published table is shown as it was printed."
                 )
-        _published(out)
+        from crankfem.cli.tables import throw_tables
+        from crankfem.files.reading.data_files import data_folder
+        from regression.formulas.axial_formulas import FINITE_ELEMENTS_DOUBT, read_published_table
+
+        values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
+        if out.json:
+            doubt = FINITE_ELEMENTS_DOUBT
+            print_json({"unit": "m/N", "values": values, "finite_elements_doubt": doubt})
+        else:
+            out.show(throw_tables.published_parts(values))
         return
     asked = _Request(
         throw=throw,
@@ -197,19 +206,6 @@ def _all_engines(asked: _Request) -> None:
                 spreads, asked.gamma, asked.variant, asked.constants, asked.out.units
             )
         )
-
-
-def _published(out: Output) -> None:
-    from crankfem.files.reading.data_files import data_folder
-    from regression.formulas.axial_formulas import FINITE_ELEMENTS_DOUBT, read_published_table
-
-    values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
-    if not out.json:
-        from crankfem.cli.tables import throw_tables
-
-        out.show(throw_tables.published_parts(values))
-        return
-    print_json({"unit": "m/N", "values": values, "finite_elements_doubt": FINITE_ELEMENTS_DOUBT})
 
 
 def _pure_number(name: str, text: str) -> float:

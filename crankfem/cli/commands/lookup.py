@@ -66,6 +66,7 @@ def lookup(
     """
     # Each way loads what it needs alone: finite elements, sections and the law take long.
     from crankfem.cli import arguments
+    from regression.response_kinds import ANGLE_LAWS
 
     angle = None if gamma is None else arguments.parse_gamma(gamma, out.quiet)
     force = None if pin_force is None else arguments.parse_pin_force(pin_force)
@@ -123,8 +124,12 @@ def lookup(
         parts.append(ENDS)
     if by_law:
         parts.append(Main(LAW_BANDS))
-    elif banded := _banded(answers, angle is not None):
-        parts += _bands(loaded, banded)
+    else:
+        banded = [name for name, answer in _shown(answers).items() if answer.inside]
+        if angle is not None:  # then by what their law takes
+            banded = [part for name in banded for part in ANGLE_LAWS.get(name, (name,))]
+        if banded:
+            parts += _bands(loaded, banded)
     for name, reason in refused.items():
         parts.append(Main(out.units.written(f"{_title(name)}: left out; {reason}")))
     shown, *remarks = _answer_parts(answers, out.units)
@@ -152,14 +157,6 @@ def _shown(answers: "dict[str, Lookup]") -> "dict[str, Lookup]":
     from regression.response_kinds import END_MOMENTS
 
     return {n: answer for n, answer in answers.items() if n not in END_MOMENTS} or answers
-
-
-def _banded(answers: "dict[str, Lookup]", with_angle: bool) -> list[str]:
-    """Name the responses that have a band, those between neighbors by what their law takes."""
-    from regression.response_kinds import ANGLE_LAWS
-
-    banded = [name for name, answer in _shown(answers).items() if answer.inside]
-    return [part for n in banded for part in (ANGLE_LAWS.get(n, (n,)) if with_angle else (n,))]
 
 
 def _answer_parts(answers: "dict[str, Lookup]", units: "OutputUnits") -> "Iterator[Table | str]":

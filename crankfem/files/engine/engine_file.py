@@ -91,7 +91,7 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.pressure_map import EnginePower, indicated_power
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
-from geometry.any_throw import Throw, dimensioned, with_dimensions
+from geometry.any_throw import NO_DIMENSIONS, Throw, dimensioned, with_dimensions
 from geometry.crankshaft import Crankshaft, ShaftEnds, throw_starts
 
 if TYPE_CHECKING:
@@ -194,7 +194,7 @@ def check_cad(file: "EngineFile") -> None:
     for name, source in wrong.items():
         raise InputError(
             f"{name}: given {source} for throws from STEP files; allowed are finite elements, because "
-            "formulas take dimensions of webs, which such a throw does not have."
+            f"formulas take dimensions, and {NO_DIMENSIONS}."
         )
 
 
@@ -318,6 +318,10 @@ gas, load, gas_map, misfire, propeller_forces, limits, ranges, strength, torque_
     def whole(self) -> bool:
         """Whether this is a whole engine, with flywheel and thrust bearing."""
         return self.flywheel is not None and self.thrust_bearing is not None
+
+    def __hash__(self) -> int:
+        # Dictionaries among the fields have none.
+        return hash((self.path, self.engine, self.throw))
 
     def required(self, section: type[Section]) -> Section:
         """Return a section that a whole engine has.

@@ -141,16 +141,14 @@ def any_sections(file: str) -> TomlFile | None:
     name = Path(file).name.removesuffix(".toml")
     kinds = [kind for kind in input_kinds() if kind != "engine" and name in shipped_names(kind)]
     path = input_path(file, *kinds[:1])
-    return read_toml(path) if path.suffix.lower() == ".toml" or _has_sections(path) else None
-
-
-def _has_sections(path: Path) -> bool:
-    """Whether a file has sections of input, whatever its ending; False where it cannot be read."""
+    if path.suffix.lower() == ".toml":
+        return read_toml(path)
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            return SECTION.search(file.read(LOOKED_AT)) is not None
+        with path.open(encoding="utf-8-sig") as text:
+            has_sections = SECTION.search(text.read(LOOKED_AT)) is not None
     except (OSError, UnicodeDecodeError):
-        return False
+        return None
+    return read_toml(path) if has_sections else None
 
 
 @dataclass(frozen=True)

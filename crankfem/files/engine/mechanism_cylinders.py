@@ -1,7 +1,6 @@
 """The cylinders of an engine file: positions, cranks, banks, throws, rods; how evenly they fire."""
 
 import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -334,7 +333,14 @@ def firing_evenness(engine: Engine) -> FiringEvenness:
     of_cranks = InputWarning("engine.crank_angles", fires)
     if banked or engine.cylinders < 3:
         return FiringEvenness(together, (of_cranks,))
-    hint = f"{_alone(engine)}, so check them unless the engine is built so"
+    unpaired = ""
+    if engine.strokes != 2 and engine.cylinders % 2 == 0:
+        fired = np.degrees(engine.firing_angles)
+        tops = [round(float(angle) % 360.0, 1) % 360.0 for angle in fired]
+        alone = [str(place) for place, top in enumerate(tops, start=1) if tops.count(top) == 1]
+        if alone:
+            unpaired = f" (not in pairs at the top: cylinders {', '.join(alone)})"
+    hint = f"{unpaired}, so check them unless the engine is built so"
     return FiringEvenness((*together, of_cranks.with_hint(hint)))
 
 
@@ -357,13 +363,3 @@ def intervals_text(intervals_deg: Sequence[float]) -> str:
     repeated = repeating_intervals(intervals_deg)
     again = " in turn" if 1 < len(repeated) < len(intervals_deg) else ""
     return f"{listed(np.radians(np.round(repeated, 1)).tolist(), 'rad')}{again}"
-
-
-def _alone(engine: Engine) -> str:
-    """Name the cylinders of a four-stroke engine in line that reach the top without another one."""
-    if engine.strokes == 2 or engine.cylinders % 2:
-        return ""
-    tops = [round(float(angle) % 360.0, 1) % 360.0 for angle in np.degrees(engine.firing_angles)]
-    shared = Counter(tops)
-    alone = [str(place) for place, top in enumerate(tops, start=1) if shared[top] == 1]
-    return f" (not in pairs at the top: cylinders {', '.join(alone)})" if alone else ""

@@ -299,15 +299,17 @@ def _fields(path: str, values: Mapping[str, Any]) -> Iterator[str]:
 
 def _longest(name: str, places: tuple[str, ...]) -> int:
     """Length of the longest place that a field is, or is in; 0 if there is none."""
-    return max((len(place) for place in places if _is_under(name, place)), default=0)
+    longest = 0
+    for place in places:
+        if "*." in place:
+            section, _, field = place.partition("*")
+            inside = name.startswith(section) and f"{field}." in f"{name}."
+        else:
+            inside = place == ALL or name == place or name.startswith(f"{place}.")
+        if inside:
+            longest = max(longest, len(place))
+    return longest
 
 
 def _is_unused(name: str, used: tuple[str, ...], without: tuple[str, ...]) -> bool:
     return _longest(name, without) >= _longest(name, used)
-
-
-def _is_under(name: str, place: str) -> bool:
-    if "*." in place:
-        section, _, field = place.partition("*")
-        return name.startswith(section) and f"{field}." in f"{name}."
-    return place == ALL or name == place or name.startswith(f"{place}.")

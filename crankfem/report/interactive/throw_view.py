@@ -483,7 +483,19 @@ def _layout(traces: list[Part], views: list[_View], points: Array) -> Part:
         f"{name}axis": {"visible": False, "range": [float(start), float(end)]}
         for name, start, end in zip("xyz", low, high, strict=True)
     }
-    menu = choice("show", [view.label for view in views], [_change(view, traces) for view in views])
+    changes: list[list[Part]] = [
+        [
+            {  # colors are given to all traces, though one shows them
+                "visible": [place in view.traces for place in range(len(traces))],
+                "intensity": [view.intensity],
+                "cmax": [view.largest],
+                "colorbar.title.text": [view.bar],
+            },
+            {"annotations[0].text": view.caption},
+        ]
+        for view in views
+    ]
+    menu = choice("show", [view.label for view in views], changes)
     for place, trace in enumerate(traces):
         trace["visible"] = place in views[0].traces
     return plain_layout("", HEIGHT) | {
@@ -510,19 +522,6 @@ def _layout(traces: list[Part], views: list[_View], points: Array) -> Part:
             menu | {"type": "buttons", "direction": "right", "x": 0.0, "xanchor": "left"}
         ],
     }
-
-
-def _change(view: _View, traces: list[Part]) -> list[Part]:
-    """Return what choosing a view changes; colors are given to all traces, though one shows them."""
-    return [
-        {
-            "visible": [place in view.traces for place in range(len(traces))],
-            "intensity": [view.intensity],
-            "cmax": [view.largest],
-            "colorbar.title.text": [view.bar],
-        },
-        {"annotations[0].text": view.caption},
-    ]
 
 
 def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_View]]:

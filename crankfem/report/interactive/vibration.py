@@ -101,23 +101,21 @@ def campbell_figure(
     title: str,
 ) -> Figure:
     """Draw `campbell` of a kind of vibration, with what each resonance is."""
-    texts = [_hover_text(kind, resonance) for resonance in resonances]
+    motion, texts = MOTION[kind], []
+    for resonance in resonances:
+        size = "unbounded: nothing damps it"
+        if not resonance.unbounded:
+            amplitude = number(resonance.first_amplitude / motion.size)
+            size = (
+                f"amplitude {amplitude} {motion.unit} of the free end, by this order alone; peak of "
+                f"{resonance.place}"
+            )
+        texts.append(
+            f"<b>order {resonance.order:g}, mode {resonance.mode}</b> ({resonance.kind})<br>"
+            f"{resonance.speed_rpm:.5g} 1/min, {resonance.frequency:.5g} Hz<br>{size}"
+        )
     return diagram_figure(
         campbell(frequencies, orders, speed_range, resonances, texts), title, HEIGHT
-    )
-
-
-def _hover_text(kind: str, resonance: DampedCritical) -> str:
-    motion = MOTION[kind]
-    size = (
-        "unbounded: nothing damps it"
-        if resonance.unbounded
-        else f"amplitude {number(resonance.first_amplitude / motion.size)} {motion.unit} of the free end, by "
-        f"this order alone; peak of {resonance.place}"
-    )
-    return (
-        f"<b>order {resonance.order:g}, mode {resonance.mode}</b> ({resonance.kind})<br>"
-        f"{resonance.speed_rpm:.5g} 1/min, {resonance.frequency:.5g} Hz<br>{size}"
     )
 
 

@@ -200,6 +200,9 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
     assert run.assessment is not None
     verdict = run.assessment.verdict
     rigid, load = run.torsional.chosen.modes.rigid, run.load
+    limits = [DocumentTable("limits", tables.limit_source_table(cases))]
+    if (axial_limits := tables.axial_limit_table(run)) is not None:
+        limits.append(DocumentTable("axial_limits", axial_limits))
 
     def campbell(path: Path) -> None:
         with figure(path, height=3.8) as axes:
@@ -268,7 +271,7 @@ def class_document(run: EngineVibration) -> tuple[DocumentPart, ...]:
         _barred(run, verdict),
         _uncertainty(run),
         _dampers(run, cases),
-        _limits(run, cases),
+        DocumentPart("limits", "Limits", (), tuple(limits)),
         _assumptions(run, cases),
     )
 
@@ -310,13 +313,6 @@ def _findings(run: EngineVibration, cases: FiringCases) -> DocumentPart:
     ):
         sentences += () if table is None else _kept_or_exceeded(what, table)
     return DocumentPart("findings", "Findings", tuple(sentences))
-
-
-def _limits(run: EngineVibration, cases: FiringCases) -> DocumentPart:
-    sources = DocumentTable("limits", tables.limit_source_table(cases))
-    axial = tables.axial_limit_table(run)
-    used = () if axial is None else (DocumentTable("axial_limits", axial),)
-    return DocumentPart("limits", "Limits", (), (sources, *used))
 
 
 def _upper(text: str) -> str:

@@ -133,7 +133,12 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     share, notes = HIGHEST_SHARE, []
     harmonics = engine_harmonics(file, share)
     speeds = calculated_speeds(file, harmonics.orders, chains.damped, above_rated=share)
-    speeds = merged_speeds(speeds, [one for one in _worst_speeds(run) if one <= speeds[-1]])
+    # Those at which the vibration found its worst, closer than a grid.
+    checks = () if run.assessment is None else run.assessment.verdict.checks
+    worst = [use.speed for check in checks for use in (check.running, check.above) if use]
+    misfiring_checks = () if run.misfiring is None else run.misfiring.checks
+    worst += [reached.speed for check in misfiring_checks for reached in check.each.values()]
+    speeds = merged_speeds(speeds, [speed for speed in worst if speed <= speeds[-1]])
     if not at_most(share * file.engine.rated_speed, speeds[-1]):
         notes.append(
             f"speeds are calculated up to {speeds[-1] / file.engine.rated_speed:.3g} of the rated one, "
@@ -178,20 +183,15 @@ def firing_cases(run: EngineVibration) -> FiringCases:
     return FiringCases(speeds, normal, firing, failing, envelopes, mean, limits, tuple(notes))
 
 
-def _worst_speeds(run: EngineVibration) -> list[float]:
-    """Return the speeds at which the vibration found its worst, closer than a grid [rad/s]."""
-    checks = () if run.assessment is None else run.assessment.verdict.checks
-    uses = [use for check in checks for use in (check.running, check.above) if use is not None]
-    failing = () if run.misfiring is None else run.misfiring.checks
-    return [use.speed for use in uses] + [
-        reached.speed for check in failing for reached in check.each.values()
-    ]
-
-
 def torsional_series(file: EngineFile, _: ChainAnswer, torsional: ChainAnswer) -> Series:
     """Return the quantities of the document for one response of the torsional chain; linear in the forces."""
     loads, response = torsional.loads, torsional.response
-    series = {STRESS: _stresses(file, torsional), TORQUE: loads.elements, DASHPOTS: loads.dashpots}
+    # Nominal stress of all parts of the crankshaft, and of shafts with diameters in [limits].
+    moduli = {loads.elements.names[place]: modulus for place, modulus in torsional.moduli.items()}
+    for shaft in (file.limits or LimitsInput()).shafts:
+        moduli[shaft.element] = float(section_modulus("torsional", shaft.diameter))
+    stresses = alternating_stress(loads, moduli)
+    series = {STRESS: stresses, TORQUE: loads.elements, DASHPOTS: loads.dashpots}
     if torsional.engine_chain.chain.gears:
         series[GEARS] = _gear_torques(response, torsional.engine_chain.chain)
     if file.engine.generator_poles is not None:
@@ -205,17 +205,6 @@ def torsional_series(file: EngineFile, _: ChainAnswer, torsional: ChainAnswer) -
 def generator_node(chain: Chain) -> str:
     """Return the node that turns with the generator's rotor."""
     return next(name for name in GENERATOR_NODES if name in chain.names)
-
-
-def _stresses(file: EngineFile, torsional: ChainAnswer) -> OrderSeries:
-    """Nominal stress of all parts of the crankshaft, and of shafts with diameters in [limits]."""
-    moduli = {
-        torsional.loads.elements.names[place]: modulus
-        for place, modulus in torsional.moduli.items()
-    }
-    for shaft in (file.limits or LimitsInput()).shafts:
-        moduli[shaft.element] = float(section_modulus("torsional", shaft.diameter))
-    return alternating_stress(torsional.loads, moduli)
 
 
 def _gear_torques(response: ForcedResponse, chain: Chain) -> OrderSeries:

@@ -466,8 +466,20 @@ class HingeRun(Result):
                 f"{_inertia(other.flywheel_with_hinge, units)} with the best pressure, "
                 f"{_inertia(other.flywheel, units)} without the hinge."
             )
-            if other.chosen is not None:
-                yield _chosen_sentence(other.chosen, other, wanted, units)
+            chosen = other.chosen
+            if chosen is None:
+                continue
+            fate = (
+                "the crank does not complete a revolution without a flywheel"
+                if chosen.fluctuation is None
+                else f"the fluctuation is {chosen.fluctuation:.3g}"
+            )
+            yield (
+                f"At {units.of('1/min').with_name(other.speed)} with the file's pressure of "
+                f"{units.of('MPa').with_name(chosen.pressure)} {fate}; M_h lacks "
+                f"{percent(chosen.moment_residual, 3)} %, at most {percent(chosen.largest_residual, 3)} %; a "
+                f"fluctuation of {wanted:.3g} takes a flywheel of {_inertia(chosen.flywheel, units)}."
+            )
 
     def _compared_tables(self, units: OutputUnits) -> Iterator[Table | str]:
         each = [(spring, spring.guides) for spring in self.compared]
@@ -495,22 +507,6 @@ class HingeRun(Result):
         for spring in self.compared:
             if spring.refused is not None:
                 yield units.written(f"Note: {kept(spring.refused)}")
-
-
-def _chosen_sentence(
-    chosen: ChosenPressure, other: OtherSpeed, wanted: float, units: OutputUnits
-) -> str:
-    fate = (
-        "the crank does not complete a revolution without a flywheel"
-        if chosen.fluctuation is None
-        else f"the fluctuation is {chosen.fluctuation:.3g}"
-    )
-    return (
-        f"At {units.of('1/min').with_name(other.speed)} with the file's pressure of "
-        f"{units.of('MPa').with_name(chosen.pressure)} {fate}; M_h lacks "
-        f"{percent(chosen.moment_residual, 3)} %, at most {percent(chosen.largest_residual, 3)} %; a "
-        f"fluctuation of {wanted:.3g} takes a flywheel of {_inertia(chosen.flywheel, units)}."
-    )
 
 
 def _inertia(value: float, units: OutputUnits) -> str:

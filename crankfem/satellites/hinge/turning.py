@@ -126,8 +126,17 @@ def steady_hinge_turn(
                 f"top_speed: given {top_speed:g} rad/s beside a mean speed of {speed:g} rad/s; allowed is "
                 "one of the two, because either follows from the other."
             )
-        reason = "the crank turns forward"
-        return _from_top(energy, flywheel, positive_number("top_speed", top_speed, "rad/s", reason))
+        top_speed = positive_number("top_speed", top_speed, "rad/s", "the crank turns forward")
+        inertia = energy.inertia + flywheel
+        at_top = 0.5 * float(inertia[0]) * top_speed**2
+        lacking = -float(energy.gained.min())
+        if not at_top > lacking:
+            needed = math.sqrt(2.0 * lacking / float(inertia[0]))
+            raise InputError(
+                f"top_speed: given {top_speed:.4g} rad/s; allowed is more than {needed:.4g} rad/s, because "
+                f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must complete a revolution."
+            )
+        return _turn(energy, inertia, at_top, flywheel)
     wanted = positive_number(
         "speed", point.speed if speed is None else speed, "rad/s", "the crank turns forward"
     )
@@ -216,20 +225,6 @@ def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyHingeT
             f"{format_quantity(slowest, 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
             "because a slower crank does not complete a revolution: over a turn its energy swings by "
             f"{np.ptp(energy.gained) / 1e3:.4g} kJ."
-        )
-    return _turn(energy, inertia, at_top, flywheel)
-
-
-def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyHingeTurn:
-    """Return the revolution for a speed at the top."""
-    inertia = energy.inertia + flywheel
-    at_top = 0.5 * float(inertia[0]) * top_speed**2
-    lacking = -float(energy.gained.min())
-    if not at_top > lacking:
-        needed = math.sqrt(2.0 * lacking / float(inertia[0]))
-        raise InputError(
-            f"top_speed: given {top_speed:.4g} rad/s; allowed is more than {needed:.4g} rad/s, because "
-            f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must complete a revolution."
         )
     return _turn(energy, inertia, at_top, flywheel)
 

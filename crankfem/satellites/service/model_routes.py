@@ -147,7 +147,11 @@ class Models:
             self._known.pop(name, None)
             raise ProblemError(404, "There is no model of that name.")
         if model is None or path.stat().st_mtime_ns != changed:
-            changed, model = path.stat().st_mtime_ns, _loaded(path)
+            changed = path.stat().st_mtime_ns
+            try:
+                model = ComplianceModel.load(path)
+            except InputError as error:
+                raise InputError(str(error).replace(str(path), path.name)) from None
             if len(self._known) >= MOST_LOADED:
                 self._known.pop(next(iter(self._known)))
         self._known[name] = (now, model, path, changed)
@@ -164,13 +168,6 @@ class Models:
 def _model_of(files: Iterable[str]) -> str | None:
     """Return the model among a job's files, that of a study or of an engine's."""
     return next((name for name in files if name in (MODEL, f"results/{MODEL}")), None)
-
-
-def _loaded(path: Path) -> ComplianceModel:
-    try:
-        return ComplianceModel.load(path)
-    except InputError as error:
-        raise InputError(str(error).replace(str(path), path.name)) from None
 
 
 def model_routes(models: Models, bounds: Bounds) -> APIRouter:
