@@ -11,7 +11,7 @@ from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
 
 ENDINGS = (".csv", ".txt", ".tdms", ".mf4", ".uff", ".mat", ".h5", ".parquet")
-TABLE, PICTURES = "measured_orders.csv", ("orders_map.svg", "overlay.svg")
+TABLE = "measured_orders.csv"
 
 
 @with_output(files=True, units=True, source="engine")
@@ -86,16 +86,23 @@ def measured(
     """Find the orders of vibration in a record, and compare them with those calculated of an engine."""
     from pathlib import Path
 
+    from crankbase.outputs import check_output
     from crankbase.quantity import parse_quantity
     from crankfem.analyses.record import with_units
-    from crankfem.cli.console import write_columns
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.jobs.outputs import check_outputs, make_output_folder
-    from crankfem.satellites.measured.measurement import load, refuse_other_speeds
+    from crankfem.satellites.measured.calibration.orders_table import write_orders
+    from crankfem.satellites.measured.measurement import (
+        load,
+        refuse_other_places,
+        refuse_other_speeds,
+    )
     from crankfem.satellites.measured.overlay import overlay
-    from crankfem.satellites.measured.run import MeasuredVibration
+    from crankfem.satellites.measured.run import MAP, OVERLAY, PAGE, MeasuredVibration
 
     file = None if engine is None else load_engine(engine)
+    if file is not None and at:
+        refuse_other_places(file, [at])
     if strokes not in (None, 2, 4) or (strokes is not None and file is not None):
         raise InputError(
             f"--strokes: given {strokes}; allowed are 2 and 4 without --engine, because an engine file has "
@@ -104,7 +111,9 @@ def measured(
     cycle = (file.engine.strokes if file is not None else strokes or 4) // 2
     check_outputs(None, None, Path(record))
     tables = make_output_folder("--csv", csv, [TABLE], "table")
-    drawn = make_output_folder("--pictures", pictures, PICTURES)
+    drawn = make_output_folder("--pictures", pictures, [MAP, *([] if file is None else [OVERLAY])])
+    if drawn is not None and file is not None:
+        check_output(drawn / PAGE, "report")
     with console.RunProgress(out.quiet) as progress:
         progress.step("Reading the record")
         measurement = load(
@@ -129,12 +138,7 @@ def measured(
         written = [] if drawn is None else run.draw(drawn, progress.step)
         progress.finish()
     if tables is not None:
-        written.append(tables / TABLE)
-        frame = measured_orders.to_pandas()
-        units = frame.attrs["units"]
-        write_columns(
-            written[-1], {f"{name} [{units[name]}]": frame[name].to_numpy() for name in frame}
-        )
+        written.append(write_orders(tables / TABLE, measured_orders))
     if out.json:
         print_json(with_units(run))
         return

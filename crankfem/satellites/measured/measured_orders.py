@@ -23,6 +23,7 @@ from dynamics.response.order_excitation import checked_orders
 
 Measurand = Literal["angle", "torque", "axial", "pressure"]
 UNITS: dict[Measurand, str] = {"angle": "rad", "torque": "N m", "axial": "m", "pressure": "Pa"}
+MEASURANDS: dict[str, Measurand] = {unit: quantity for quantity, unit in UNITS.items()}
 PRINTED_UNITS = {"rad": "deg", "N m": "kN m", "m": "mm", "Pa": "bar"}
 # The note on orders with a constant of the wheel.
 OF_WHEEL = (
@@ -123,6 +124,11 @@ class MeasuredOrders:
         """Unit of the amplitudes."""
         return UNITS[self.quantity]
 
+    @property
+    def independent(self) -> float:
+        """Number of independent speeds over that of all: overlapping windows count once."""
+        return float(self.speed.size / np.sum(self.correlation))
+
     def part(
         self, rows: Flags | Integers | None = None, columns: Flags | None = None
     ) -> "MeasuredOrders":
@@ -150,6 +156,7 @@ class MeasuredOrders:
                 "amplitude": (np.abs(self.amplitude).ravel(), self.unit),
                 "phase": (np.angle(self.amplitude).ravel(), "rad"),
                 "scatter": (self.scatter.ravel(), self.unit),
+                "ramp": (np.repeat(self.ramp, orders), "rad/s^2"),
             }
         )
 

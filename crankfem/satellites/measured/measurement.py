@@ -1,6 +1,6 @@
 """A measurement: a wheel's teeth, perhaps another signal beside them, and its orders over the speed."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal, get_args
@@ -10,12 +10,14 @@ from numpy.typing import ArrayLike
 
 from crankbase.array_checks import Array, positive_number
 from crankbase.choices import allowed_names, check_choice
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.results import result
 from crankbase.sentences import amount, finished
+from crankfem.analyses.shaft.chains import engine_axial_chain, engine_torsional_chain
+from crankfem.files.engine.engine_file import EngineFile
 from crankfem.satellites.measured.measured_orders import (
+    MEASURANDS,
     OF_WHEEL,
-    UNITS,
     Measurand,
     MeasuredOrders,
 )
@@ -37,7 +39,6 @@ from crankfem.satellites.measured.wheel import Teeth, Wheel, number_teeth
 from dynamics.response.order_excitation import checked_orders
 
 Method = Literal["auto", "steady", "linear", "along"]
-MEASURANDS: dict[str, Measurand] = {unit: quantity for quantity, unit in UNITS.items()}
 # Orders up to this one are in the fit at least, whichever are asked for, and these of the wheel's at most.
 USUAL_ORDER, OF_HIGHEST = 12.0, 0.8
 # A speed is steady that changes by less than this share over so many revolutions at least.
@@ -413,6 +414,19 @@ def _times(channel: Channel, edge: Edge) -> Array:
     begin = float(channel.start or 0.0)
     pieces = (values for values in channel.column.read(2**21))
     return pulse_times(pieces, channel.rate or 1.0 / channel.step, begin, edge)
+
+
+def refuse_other_places(engine: EngineFile, places: Iterable[str]) -> None:
+    """Refuse places that are no mass and no element of an engine's chains, before records are read."""
+    unit = np.ones(len(engine.crank_throws))
+    twisted = engine_torsional_chain(engine, unit, unit).chain
+    pulled = engine_axial_chain(engine, unit, unit).chain
+    for place in places:
+        if place not in (*twisted.names, *twisted.elements, *pulled.names):
+            raise InputError(
+                f"--at: given {quoted(place)}; {allowed_names(place, twisted.names)}, and of a torque "
+                f"{', '.join(twisted.elements)}, because orders are compared where they were measured."
+            )
 
 
 def refuse_other_speeds(measured: Measurement, lowest: float, highest: float) -> None:

@@ -17,6 +17,9 @@ from crankfem.analyses.titles import add_title
 from crankfem.satellites.measured.measured_orders import PRINTED_UNITS, MeasuredOrders
 from crankfem.satellites.measured.overlay import Overlay
 
+# Pictures, and a page.
+MAP, OVERLAY, PAGE = "orders_map.svg", "overlay.svg", "overlay.html"
+
 
 @result("order", "amplitude", "speed", eq=True)
 class LargestOrder(Result):
@@ -141,12 +144,12 @@ class MeasuredVibration(Result):
         """Write the map, and of an overlay its picture and its page."""
         if step:
             step("Drawing")
-        written = [folder / "orders_map.svg"]
+        written = [folder / MAP]
         with figure(written[0], height=4.8) as axes:
             self.plot(axes)
             add_title(axes, f"{self.record}: orders over the speed")
         if self.overlay is not None:
-            written += [folder / "overlay.svg", folder / "overlay.html"]
+            written += [folder / OVERLAY, folder / PAGE]
             self.overlay.draw(written[1])
             self.overlay.write_page(written[2])
         return written

@@ -70,7 +70,7 @@ def constants_by_reference(
         )
     weights = 1.0 / np.maximum(np.array(variances).T, 1e-300)
     constants = np.sum(np.array(differences).T * weights, axis=0) / np.sum(weights, axis=0)
-    independent = np.count_nonzero(within) / _repeats(measured, within)
+    independent = np.count_nonzero(within) * measured.part(within).independent
     scatter = np.sqrt(1.0 / np.mean(weights, axis=0) / independent)
     return np.where(measured.wheel_constant, constants, 0.0), scatter
 
@@ -89,9 +89,3 @@ def edge_disagreement(rising: MeasuredOrders, falling: MeasuredOrders) -> Array:
     if rising.amplitude.shape != falling.amplitude.shape or np.any(rising.orders != falling.orders):
         raise InputError("falling: allowed are the orders of the same record by the other edge.")
     return np.asarray(np.abs(np.mean(rising.amplitude - falling.amplitude, axis=0)))
-
-
-def _repeats(measured: MeasuredOrders, within: Array) -> float:
-    """Return how many speeds share their samples, by the correlation of their errors."""
-    part = measured.correlation[np.ix_(within, within)]
-    return float(np.sum(np.abs(part)) / part.shape[0])

@@ -131,7 +131,8 @@ def test_records_that_do_not_fit_end_with_a_code(app, orders):
     [
         (("run.csv", "--at", "a", "--at", "b"), "--at: given 2 for 1 records"),
         (("run.csv", "run.csv", "--at", "a", "--at", "b"), "given one twice"),
-        (("run.csv", "--at", "rudder", *MOVES), "rudder"),
+        # Before a record is read.
+        (("none.csv", "--at", "rudder", *MOVES), "--at: given .rudder"),
         (("run.csv", "--at", "free end", "--overlap", "1"), "overlap: given 1"),
         (("run.csv", "--at", "free end", "--mark-angle", "3 deg"), "given without --teeth"),
         (("none.csv", "--at", "free end"), "none.csv"),

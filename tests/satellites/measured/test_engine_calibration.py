@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
+from comparing import close
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
@@ -14,7 +15,7 @@ from crankfem.satellites.measured.calibration import calibrated
 from crankfem.satellites.measured.calibration.calibrated import calibrate
 from crankfem.satellites.measured.calibration.engine_problem import EngineModel
 from crankfem.satellites.measured.calibration.groups import parsed_group
-from crankfem.satellites.measured.calibration.orders_table import read_orders
+from crankfem.satellites.measured.calibration.orders_table import read_orders, write_orders
 from crankfem.satellites.measured.calibration.response_slopes import Sensor
 from crankfem.satellites.measured.calibration.told import calibration_parts
 from measured_engines import (
@@ -79,7 +80,7 @@ def test_fields_are_written_with_source_interval_and_tolerance(tmp_path):
     for part in ("run 3.csv", made.date, "95 %", "tolerance before 5 %", "4 kg m^2", "typical of"):
         assert part in source
     # The gain of the gas is in no field: it is said so.
-    assert any("gas torque" in remark for remark in made.remarks)
+    assert made.unwritten == ("gas torque",)
     # The file makes the fitted chain.
     chain = model().chain_of(fitted).chain
     shaft = made.fit.problem.shaft
@@ -202,6 +203,26 @@ def test_a_table_of_orders_is_read(tmp_path):
     assert np.array_equal(made.wheel_constant, record.wheel_constant)
     assert abs(made.correlation[3, 4] - 0.5) < 1e-12
     assert made.correlation[3, 5] == 0.0
+
+
+def test_a_table_keeps_ramp_correlation_and_an_unknown_zero(tmp_path):
+    windows = np.arange(30)
+    record = replace(
+        measured(),
+        ramp=np.linspace(1.0, 3.0, 30),
+        correlation=np.exp(-np.abs(np.subtract.outer(windows, windows)) / 4.0),
+        zero_known=False,
+    )
+    path = write_orders(tmp_path / "orders.csv", record)
+    made = read_orders(path, "free end")
+    assert np.allclose(made.amplitude, record.amplitude, rtol=1e-9)
+    assert np.allclose(made.ramp, record.ramp, rtol=1e-9)
+    assert made.independent == close(record.independent, rel=0.1)
+    assert not made.zero_known
+    assert read_orders(path, "free end", overlap=0.0).independent == 1.0
+    path.write_text(path.read_text().replace("ramp [rad/s^2]", "ramp [rad/s]"))
+    with pytest.raises(cf.InputError, match="ramp: given in"):
+        read_orders(path, "free end")
 
 
 @pytest.mark.parametrize(

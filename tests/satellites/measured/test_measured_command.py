@@ -55,3 +55,17 @@ def test_what_does_not_fit_is_refused(call, record):
         answer = call("measured", str(record), *options)
         assert answer.code == 2
         assert word in answer.err
+
+
+def test_places_and_files_in_the_way_are_refused_before_a_record_is_read(call, tmp_path):
+    words = ("measured", str(tmp_path / "none.csv"), "--teeth", "60-2", "--engine", "cat-3116")
+    (tmp_path / "overlay.html").write_text("mine")
+    for options, word in (
+        (("--at", "rudder"), "--at"),
+        (("--at", "free end", "--pictures", str(tmp_path)), "overlay.html"),
+        (("--at", "free end"), "none.csv"),
+    ):
+        answer = call(*words, *options)
+        assert answer.code == 2
+        assert word in answer.err
+    assert (tmp_path / "overlay.html").read_text() == "mine"

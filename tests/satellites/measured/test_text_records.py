@@ -70,6 +70,15 @@ def test_a_column_of_pulse_times_alone(tmp_path, mark):
     assert read_record(path).channel("pulse_time_s") is not None
 
 
+def test_pulse_times_without_a_number_are_counted(tmp_path):
+    rows = ["0.001001,1", "nan,2", "0.003,3", ",4", "nan,5", "0.006,6", ",7", ",8"]
+    path = written(tmp_path, "\n".join(["pulse_time_s,count", *rows, ""]))
+    record = read_record(path)
+    assert record.channel("pulse_time").si().tolist() == [0.001001, 0.003, 0.006]
+    # Behind the last one the column has ended.
+    assert "pulse_time: 3 rows without a number are left out." in record.notes
+
+
 def test_decimal_commas_a_row_of_units_and_another_order_of_columns(tmp_path):
     path = written(
         tmp_path,

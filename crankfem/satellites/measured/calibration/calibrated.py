@@ -197,6 +197,9 @@ class Calibration(Result):
         Number of independent values; overlapping windows count once.
     lost_starts, starts : int
         Starts of the search that ended in a worse minimum, of how many.
+    unwritten : tuple of str
+        Fitted factors that no field of an engine file holds, such as that of the gas torque; the verdict is
+        without them.
     files : tuple of str
         Written.
     """
@@ -222,6 +225,7 @@ class Calibration(Result):
     cylinder_remedies: tuple[str, ...]
     verdict: VerdictChange | None
     remarks: tuple[str, ...]
+    unwritten: tuple[str, ...]
     files: tuple[str, ...]
     fit: Internal[Fit | None] = None
     fitted: Internal[FittedEngine | None] = None
@@ -294,7 +298,6 @@ def calibrate(
     fitted, verdict, files = None, None, list[str]()
     if fits:
         fitted = fitted_engine(model, solved, names, date)
-        remarks += tuple(f"No field of the file holds {text}." for text in fitted.left_out)
         if output is not None:
             files = [str(path) for path in fitted.write(Path(output))]
         tell("Judging the fitted engine")
@@ -334,6 +337,7 @@ def calibrate(
         else tuple(what for what, _ in cylinders.remedies[:MOST_REMEDIES]),
         verdict=verdict,
         remarks=remarks,
+        unwritten=() if fitted is None else fitted.left_out,
         files=tuple(files),
         fit=solved,
         fitted=fitted,

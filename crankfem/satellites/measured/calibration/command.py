@@ -59,11 +59,12 @@ def calibrate(
         ),
     ] = False,
     overlap: Annotated[
-        float,
+        float | None,
         typer.Option(
-            help="Of a table: share of its revolutions that a window has in common with the next."
+            help="Of a table: share of its revolutions that a window has in common with the next.",
+            show_default="that of the table",
         ),
-    ] = 0.0,
+    ] = None,
     zero_unknown: Annotated[
         bool,
         typer.Option(
@@ -90,6 +91,7 @@ def calibrate(
     from crankfem.satellites.measured.calibration.orders_table import read_orders, wheel_orders
     from crankfem.satellites.measured.calibration.told import calibration_parts
     from crankfem.satellites.measured.measured_orders import MeasuredOrders
+    from crankfem.satellites.measured.measurement import refuse_other_places
 
     paths = [*records, *(predict or ())]
     if len(at) != len(paths):
@@ -118,8 +120,12 @@ def calibrate(
         return wheel_orders(file.engine, path, place, teeth, mark_angle, trusted_wheel)
 
     file = load_engine(engine)
-    tables = {path: measured(path, place) for path, place in zip(paths, at, strict=True)}
+    refuse_other_places(file, at)
+    tables = {}
     with console.RunProgress(out.quiet) as progress:
+        for path, place in zip(paths, at, strict=True):
+            progress.step(f"Reading {path}")
+            tables[path] = measured(path, place)
         made = calibrated(
             file,
             {path: tables[path] for path in records},

@@ -45,7 +45,7 @@ class FittedEngine:
     sources : tuple of (Group, str)
         Each group with its interval, tolerance, record and date in words.
     left_out : tuple of str
-        Fitted groups that no file holds, such as the gain of the gas.
+        Names of fitted groups that no file holds, such as the gain of the gas.
     records : str
         Names of the records.
     """
@@ -202,7 +202,7 @@ def fitted_engine(
         )
         fields = {act.field for act in group.acts}
         if fields == {EXCITATION}:
-            left_out.append(f"{group.name}: {text}")
+            left_out.append(group.name)
             continue
         if not group.field:
             beyond_fields = True

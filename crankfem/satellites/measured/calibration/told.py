@@ -44,7 +44,6 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
             (Column("from", digits=5), lambda row: row.low),
             (Column("to", digits=5), lambda row: row.high),
             (Column("found if weaker by", "%", 3), lambda row: row.detectable),
-            main=True,
         )
     worst = sorted(made.residuals, key=lambda row: -row.misfit)[:MOST_ORDERS]
     yield Table.of_records(
@@ -63,9 +62,19 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
     yield from (Main(_direction(each)) for each in made.untold)
     if made.cylinders and made.status != "does not fit":
         yield Main(_cylinders(made))
+        ratios = (
+            f"{each.name} {each.ratio:.3f} ({each.low:.3f} to {each.high:.3f})"
+            for each in made.cylinders
+        )
+        yield Main(f"Gas torque over the mean of the others: {', '.join(ratios)}.")
     if made.verdict is not None:
         yield _limits(made.verdict)
         yield Main(_verdict(made.verdict))
+    if made.unwritten:
+        yield Main(
+            f"No field of an engine file holds the factor of {', '.join(made.unwritten)}: neither what is "
+            "written nor the verdict has it."
+        )
     yield from made.remarks
     if made.lost_starts:
         yield (

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crankbase.array_checks import Array
+from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError, quoted, shortened
 from crankbase.exported_table import NO_UNIT
 from crankbase.units import size_in
@@ -141,8 +141,11 @@ class RecordBuilder:
     def _add_without_places(self, group: str, series: Series) -> None:
         if series.gaps:
             numbers = series.column.whole
-            series = replace(series, column=Column.of(numbers[np.isfinite(numbers)]))
+            there = np.isfinite(numbers)
+            series = replace(series, column=Column.of(numbers[there]))
         channel = self._channel(group, series)
+        if series.gaps:
+            self._note_missing(channel.name, there)
         if channel.si_unit == "s" and EVENTS.search(channel.name):
             self._check_digits(channel.name, channel.unit, channel.column, series.error)
         if self.reading.rate is not None:
@@ -162,6 +165,7 @@ class RecordBuilder:
         column, even = places.column, places.even
         if series.gaps or places.gaps:
             there = np.isfinite(column.whole) & np.isfinite(series.column.whole)
+            self._note_missing(channel.name, there)
             channel = replace(channel, column=Column.of(series.column.whole[there]))
             column = Column.of(column.whole[there])
             even = even_places(column, places.error)
@@ -254,6 +258,13 @@ class RecordBuilder:
             self.notes.append(f"{name}: is a pressure above the atmosphere, by its unit {written}.")
         column = Column(series.column.count, partial(_pieces, self.path, series.column))
         return Channel(name, group, unit, column, reference=reference)
+
+    def _note_missing(self, name: str, there: Flags) -> None:
+        """Count the rows left out for want of a number; behind the last one a channel has ended."""
+        rows = np.flatnonzero(there)
+        missing = int(rows[-1]) + 1 - rows.size if rows.size else 0
+        if missing:
+            self.notes.append(f"{name}: {missing} rows without a number are left out.")
 
     def _check_digits(self, name: str, unit: str, column: Column, error: float) -> None:
         """Refuse uneven places that go back or have too few digits; of very long ones it is not looked at."""
