@@ -306,7 +306,14 @@ def study_plan(
         return None
     section = StudySection.from_text(values)
     throw = with_dimensions(throw_of_name(throws, section.throw, "study.throw", default))
-    factors, rows = _factors(section.factors, throw), None
+    fields = throw_fields(throw)
+
+    def is_range(path: str, part_table: Mapping[str, Any]) -> bool:
+        part = any(known.startswith(f"{path}.") for known in fields)
+        return not part_table or (not part and bool(set(part_table) & set(RANGE_KEYS)))
+
+    paths = _paths(section.factors, is_range)
+    factors, rows = tuple(_factor(path, text, fields, throw) for path, text in paths), None
     if section.file is not None:
         factors, rows = read_design(content.files.named("study.file", section.file), factors, throw)
     number = section.runs
@@ -334,16 +341,6 @@ def study_plan(
         form=None if section.form is None else form_named(section.form, "study.form").name,
         mesh=section.mesh,
     )
-
-
-def _factors(table: Mapping[str, Any], throw: CrankThrow) -> tuple[Factor, ...]:
-    fields = throw_fields(throw)
-
-    def is_range(path: str, part_table: Mapping[str, Any]) -> bool:
-        part = any(known.startswith(f"{path}.") for known in fields)
-        return not part_table or (not part and bool(set(part_table) & set(RANGE_KEYS)))
-
-    return tuple(_factor(path, text, fields, throw) for path, text in _paths(table, is_range))
 
 
 def _paths(

@@ -42,7 +42,26 @@ from geometry.any_throw import with_dimensions
 def run_results(computed: RunComputation, repeat: Repetition) -> RunResults:
     """Return the results of a run, without pictures."""
     engine_file, study, mechanism = computed.engine_file, computed.study, computed.mechanism
-    throws = _throw_results(computed)
+    throws: dict[str, NamedThrow] = {}
+    radial_force = UNIT_RADIAL_FORCE
+    if engine_file.pressure:  # that of the gas at firing top dead center
+        above = max(pressure.peak_pressure for pressure in engine_file.pressure) - ATMOSPHERE
+        radial_force = above * math.pi / 4.0 * engine_file.engine.bore**2
+    for name, throw in computed.throws.items():
+        throws[name] = NamedThrow(
+            cranks=tuple(
+                place
+                for place, throw_name in enumerate(engine_file.throw_names, start=1)
+                if throw_name == name
+            ),
+            throw=replace(
+                throw_results(throw.analysis, radial_force, slopes=True),
+                reciprocity=reciprocity(throw.analysis),
+            ),
+            formulas=_formulas(computed, name, throw.analysis),
+            fillets=None if throw.stresses is None else stress_results(throw.stresses),
+            fillet_note=throw.fillet_note,
+        )
     first = next(iter(throws.values()))
     results = RunResults(
         about=provenance(),
@@ -94,31 +113,6 @@ def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
     """Where the radial force acts: the middle of the first pin as it is meshed."""
     middle: list[float] = pin_surfaces(analysis.mesh)[0].center.tolist()
     return middle
-
-
-def _throw_results(computed: RunComputation) -> dict[str, NamedThrow]:
-    """Return the results of each distinct throw."""
-    engine_file, records = computed.engine_file, {}
-    radial_force = UNIT_RADIAL_FORCE
-    if engine_file.pressure:  # that of the gas at firing top dead center
-        above = max(pressure.peak_pressure for pressure in engine_file.pressure) - ATMOSPHERE
-        radial_force = above * math.pi / 4.0 * engine_file.engine.bore**2
-    for name, throw in computed.throws.items():
-        records[name] = NamedThrow(
-            cranks=tuple(
-                place
-                for place, throw_name in enumerate(engine_file.throw_names, start=1)
-                if throw_name == name
-            ),
-            throw=replace(
-                throw_results(throw.analysis, radial_force, slopes=True),
-                reciprocity=reciprocity(throw.analysis),
-            ),
-            formulas=_formulas(computed, name, throw.analysis),
-            fillets=None if throw.stresses is None else stress_results(throw.stresses),
-            fillet_note=throw.fillet_note,
-        )
-    return records
 
 
 def _formulas(computed: RunComputation, name: str, analysis: ThrowAnalysis) -> Formulas:

@@ -1,6 +1,6 @@
 """Everything about an engine's crank mechanism at one speed: forces, loads, torque, work, balance."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
@@ -228,6 +228,24 @@ def run_mechanism(
     forces = mechanism_forces(
         layout, turning, gas, model=model, shaft_angles_deg=np.degrees(angles)
     )
+    works = []
+    largest = (
+        np.abs(force).max(axis=1) for force in (forces.side, forces.piston_pin, forces.tangential)
+    )
+    rows = zip(pressure, torque.indicated_work.tolist(), *largest, strict=True)
+    for number, (of_cylinder, work, *peaks) in enumerate(rows, start=1):
+        low, high = piston_ends(torque.engine, number)
+        swept = torque.engine.cylinders[number - 1].area * (high - low)
+        works.append(
+            CylinderWork(
+                number,
+                of_cylinder.peak_pressure,
+                of_cylinder.peak_angle_deg,
+                work,
+                indicated_mean_effective_pressure(work, swept),
+                *map(float, peaks),
+            )
+        )
     group = hinged_group(layout)
     return MechanismRun(
         engine_file=engine_file,
@@ -238,7 +256,7 @@ def run_mechanism(
         torque=torque,
         crankpins=crankpin_loads(forces),
         bearings=main_bearing_loads(forces, engine_file.bearing_positions),
-        works=tuple(_works(torque, pressure, forces)),
+        works=tuple(works),
         balance=balance(
             layout,
             turning,
@@ -264,23 +282,3 @@ def _place(number: int | None, count: int, what: str) -> int:
 def hinged_group(layout: EngineLayout) -> tuple[int, ...]:
     """Return the cylinders of the first crankpin with hinged rods, if any."""
     return next((group for group in pin_groups(layout) if len(group) > 1), ())
-
-
-def _works(
-    torque: EngineTorque, pressures: Sequence[GasPressure], forces: MechanismForces
-) -> Iterator[CylinderWork]:
-    largest = (
-        np.abs(force).max(axis=1) for force in (forces.side, forces.piston_pin, forces.tangential)
-    )
-    rows = zip(pressures, torque.indicated_work.tolist(), *largest, strict=True)
-    for number, (pressure, work, *peaks) in enumerate(rows, start=1):
-        low, high = piston_ends(torque.engine, number)
-        swept = torque.engine.cylinders[number - 1].area * (high - low)
-        yield CylinderWork(
-            number,
-            pressure.peak_pressure,
-            pressure.peak_angle_deg,
-            work,
-            indicated_mean_effective_pressure(work, swept),
-            *map(float, peaks),
-        )

@@ -203,6 +203,22 @@ def run_two_masses(file: TwoMassFile, order: float | None = None) -> TwoMassRun:
         max(check.order, file.highest_order or 0.0),
         (engine.lowest_speed, engine.highest_speed),
     )
+    shaft_torque = None
+    if table is not None:
+        # The torque M_k on the engine's inertia J_np causes J_MAX / (J_MAX + J_np) of it in the shaft while
+        # the order is far below resonance, and 1 / (1 - (k w / w_c1)^2) times as much near it.
+        section = file.section
+        torque = summed_cylinders(table, np.degrees(engine.firing_angles).tolist()).torque
+        passed = section.flywheel_inertia / (section.flywheel_inertia + section.engine_inertia)
+        nearness = 1.0 - (torque.orders * engine.rated_speed / check.angular_frequency) ** 2
+        with np.errstate(divide="ignore"):
+            magnification = np.where(nearness == 0.0, np.inf, 1.0 / nearness)
+            inside = np.where(
+                nearness == 0.0, np.inf, passed * np.abs(magnification) * torque.amplitude
+            )
+        shaft_torque = ShaftTorque(
+            engine.rated_speed, torque.orders, torque.amplitude, magnification, inside
+        )
     return TwoMassRun(
         file.path.name,
         check,
@@ -220,24 +236,5 @@ def run_two_masses(file: TwoMassFile, order: float | None = None) -> TwoMassRun:
                 [check.frequency], engine_orders(engine.strokes, highest), running
             )
         ),
-        None if table is None else _shaft_torque(file.section, check, engine, table),
+        shaft_torque,
     )
-
-
-def _shaft_torque(
-    section: TwoMassInput, check: TwoMassCheck, engine: Engine, harmonics: Harmonics
-) -> ShaftTorque:
-    """Find the torque in the shaft at rated speed.
-
-    The torque M_k on the engine's inertia J_np causes J_MAX / (J_MAX + J_np) of it in the shaft while the
-    order is far below resonance, and 1 / (1 - (k w / w_c1)^2) times as much near it.
-    """
-    torque = summed_cylinders(harmonics, np.degrees(engine.firing_angles).tolist()).torque
-    passed = section.flywheel_inertia / (section.flywheel_inertia + section.engine_inertia)
-    nearness = 1.0 - (torque.orders * engine.rated_speed / check.angular_frequency) ** 2
-    with np.errstate(divide="ignore"):
-        magnification = np.where(nearness == 0.0, np.inf, 1.0 / nearness)
-        inside = np.where(
-            nearness == 0.0, np.inf, passed * np.abs(magnification) * torque.amplitude
-        )
-    return ShaftTorque(engine.rated_speed, torque.orders, torque.amplitude, magnification, inside)

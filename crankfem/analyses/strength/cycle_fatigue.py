@@ -298,13 +298,39 @@ def engine_fatigue(
                     continue
                 critical = find_candidates(site, loads, throw, amplitudes, factor)
                 candidates.setdefault((throw, number), []).extend(critical)
-    places = []
+    places, hard = [], section.hardening
     for (throw, number), each in candidates.items():
         site = fields[file.throw_names[throw]].sites[number]
         factors = [
             place.acceptability for place in rule.throws[throw].places if place.place == site.kind
         ]
-        places.append(_place(throw + 1, site, each, factor, section, factors))
+        # The point, speed and case with the largest value of the criterion.
+        best, node, candidate = worst_point(site, each, factor)
+        if hard is not None and site.kind in hard.places:
+            place_strength = hard.treatment().surface_strength
+        else:
+            share = MANUFACTURE[section.manufacture][site.kind == "oil hole"]
+            place_strength = fatigue_strength(
+                section.tensile_strength, site.diameter, site.radius, share
+            )
+        x, y, z = site.points[node].tolist()
+        places.append(
+            FatiguePlace(
+                throw=throw + 1,
+                place=site.kind,
+                name=site.name,
+                point=(x, y, z),
+                speed=candidate.speed,
+                cylinders=candidate.cylinders,
+                shaft_angle_deg=float(np.degrees(candidate.angles[best.moment])),
+                shear_amplitude=best.shear_amplitude,
+                normal_stress=best.normal_stress,
+                value=best.value,
+                limit=findley_limit(place_strength, factor),
+                strength=place_strength,
+                rule_factor=min(factors, default=None),
+            )
+        )
     remarks = _remarks(vibration, section, fields, tuple(cases))
     return EngineFatigue(
         tuple(sorted(places, key=lambda place: place.safety)), factor, tuple(remarks)
@@ -343,40 +369,6 @@ def throw_fields(
             peaks = (stresses or {}).get(name) or fillet_stresses(throw, file.material, ACCURACY)
             fields[throw] = stress_fields(peaks.loaded.mesh, throw, file.material)
     return {name: fields[file.named_throws[name]] for name in file.throw_names}
-
-
-def _place(
-    throw: int,
-    site: StressedSite,
-    each: Sequence[Candidate],
-    factor: float,
-    section: StrengthSection,
-    rule_factors: Sequence[float],
-) -> FatiguePlace:
-    """Find the point, speed and case with the largest value of the criterion."""
-    best, node, candidate = worst_point(site, each, factor)
-    hard = section.hardening
-    if hard is not None and site.kind in hard.places:
-        strength = hard.treatment().surface_strength
-    else:
-        share = MANUFACTURE[section.manufacture][site.kind == "oil hole"]
-        strength = fatigue_strength(section.tensile_strength, site.diameter, site.radius, share)
-    x, y, z = site.points[node].tolist()
-    return FatiguePlace(
-        throw=throw,
-        place=site.kind,
-        name=site.name,
-        point=(x, y, z),
-        speed=candidate.speed,
-        cylinders=candidate.cylinders,
-        shaft_angle_deg=float(np.degrees(candidate.angles[best.moment])),
-        shear_amplitude=best.shear_amplitude,
-        normal_stress=best.normal_stress,
-        value=best.value,
-        limit=findley_limit(strength, factor),
-        strength=strength,
-        rule_factor=min(rule_factors, default=None),
-    )
 
 
 def _remarks(

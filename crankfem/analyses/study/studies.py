@@ -131,32 +131,33 @@ def worst_designs(table: StudyTable, fits: Mapping[str, ResponseFits], count: in
         )
     points, _, impossible = feasible
     places = np.unique(values_at(factors, points[~impossible]), axis=0)
-    equations = [_judged(table, response, places) for response in fits.values()]
+    equations, runs = [], ~table.held_out
+    for response in fits.values():
+        fit = response.chosen
+        values = table.responses[response.column][runs]
+        at_runs = {name: column[runs] for name, column in table.dimensions.items()}
+        at_places = needed_dimensions(plan, response, fit, places)
+        scale = fit_scale(plan, response.column, fit.basis, at_runs)
+        x = response.encodings[fit.basis].columns(plan.factors, places, at_places)
+        sizes = np.ones(len(places))
+        if not fit.fitted.logarithmic:
+            # Where an equation passes through zero, its relative error says nothing.
+            sizes = np.maximum(np.abs(fit.predict(x)), np.min(np.abs(values / scale)))
+        equations.append(
+            JudgedEquation(
+                fit=fit,
+                runs=response.encodings[fit.basis].columns(
+                    plan.factors, table.values[runs], at_runs
+                ),
+                target=np.log(values / scale) if fit.fitted.logarithmic else values / scale,
+                places=x,
+                sizes=sizes,
+                slopes=run_slopes(
+                    table, response.column, response.encodings[fit.basis], response.doubted_slopes
+                ),
+            )
+        )
     return places[worst_places(equations, count)]
-
-
-def _judged(table: StudyTable, response: ResponseFits, places: Array) -> JudgedEquation:
-    plan, fit = table.plan, response.chosen
-    runs = ~table.held_out
-    values = table.responses[response.column][runs]
-    at_runs = {name: column[runs] for name, column in table.dimensions.items()}
-    at_places = needed_dimensions(plan, response, fit, places)
-    scale = fit_scale(plan, response.column, fit.basis, at_runs)
-    x = response.encodings[fit.basis].columns(plan.factors, places, at_places)
-    sizes = np.ones(len(places))
-    if not fit.fitted.logarithmic:
-        # Where an equation passes through zero, its relative error says nothing.
-        sizes = np.maximum(np.abs(fit.predict(x)), np.min(np.abs(values / scale)))
-    return JudgedEquation(
-        fit=fit,
-        runs=response.encodings[fit.basis].columns(plan.factors, table.values[runs], at_runs),
-        target=np.log(values / scale) if fit.fitted.logarithmic else values / scale,
-        places=x,
-        sizes=sizes,
-        slopes=run_slopes(
-            table, response.column, response.encodings[fit.basis], response.doubted_slopes
-        ),
-    )
 
 
 Shown = Literal["parity", "response", "effects", "elasticities", "sobol"]

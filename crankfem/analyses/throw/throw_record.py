@@ -481,14 +481,29 @@ def throw_results(
         sloped = throw_slopes(analysis) if slopes else None
     except (InputError, MeshError) as error:
         remarks = (*remarks, f"There are no slopes over the dimensions: {error}")
+    supports, forces = {}, [(x, y, z), *further]
+    for name, support in named_supports(gamma_deg, left_gamma_deg).items():
+        answer = analysis.supported(support)
+        rigid = isinstance(support, Neighbors) or sections == "rigid"
+        ends = [analysis.reactions(force, support, pin) for pin, force in enumerate(forces)]
+        lengthening = zip(
+            answer.stretches, forces, strict=False
+        )  # pins without a force are left out
+        supports[name] = made_from(
+            answer,
+            ThrowOnSupport,
+            errors=analysis.error_bars(support),
+            section_errors=None if rigid else analysis.section_errors(support),
+            axial_force_per_radial=answer.influence / answer.axial,
+            axial_force=float(sum(stretch @ force for stretch, force in lengthening))
+            / answer.axial,
+            reactions=sum(ends[1:], ends[0]),
+        )
     return made_from(
         analysis,
         ThrowResults,
         dimensions=dimensions_of(analysis.throw),
-        supports={
-            name: _on_support(analysis, support, [(x, y, z), *further])
-            for name, support in named_supports(gamma_deg, left_gamma_deg).items()
-        },
+        supports=supports,
         radial_force=-y,
         pin_force=(x, y, z),
         mass=masses.mass,
@@ -510,24 +525,6 @@ def throw_results(
         slopes=sloped,
         meshing_attempts=mesh.attempts,
         mended_elements=mesh.mended_elements,
-    )
-
-
-def _on_support(
-    analysis: ThrowAnalysis, support: Support, forces: Sequence[tuple[float, float, float]]
-) -> ThrowOnSupport:
-    answer, plain = analysis.supported(support), isinstance(support, Neighbors)
-    rigid = plain or analysis.sections == "rigid"
-    ends = [analysis.reactions(force, support, pin) for pin, force in enumerate(forces)]
-    lengthening = zip(answer.stretches, forces, strict=False)  # pins without a force are left out
-    return made_from(
-        answer,
-        ThrowOnSupport,
-        errors=analysis.error_bars(support),
-        section_errors=None if rigid else analysis.section_errors(support),
-        axial_force_per_radial=answer.influence / answer.axial,
-        axial_force=float(sum(stretch @ force for stretch, force in lengthening)) / answer.axial,
-        reactions=sum(ends[1:], ends[0]),
     )
 
 

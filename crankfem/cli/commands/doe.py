@@ -100,10 +100,20 @@ def doe(
         else:
             console.print_line(text)
 
-    print_progress(_summary(table, store))
+    held_out = int(table.held_out.sum())
+    text = (
+        f"Study {table.plan.key[:6]}: {len(table.held_out) - held_out} runs and {held_out} held-out "
+        f"designs in {store}; {table.computed} computed now, {len(table.failures)} without a result"
+    )
+    if table.added:
+        text += f", {table.added} of the runs added to the plan's"
+    if table.excluded:
+        text += f", {len(table.excluded)} excluded by the plan"
+    if table.extra:
+        text += f", {len(table.extra)} imported rows"
+    print_progress(f"{text}.")
     if table.damaged:
         console.print_warning(f"{damaged_rows_warning(table.damaged, store)}; import them again.")
-    held_out = int(table.held_out.sum())
     if 0 < held_out < FEW_HELD_OUT:
         print_progress(
             f"Note: only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their "
@@ -121,22 +131,6 @@ def doe(
         f"All runs are in {store}. Save the equations: {next_}",
         f"Use them: {made.lookup_line('model.json')}",
     )
-
-
-def _summary(table: "StudyTable", store: Path) -> str:
-    """State in a line what the study contains."""
-    held_out = int(table.held_out.sum())
-    text = (
-        f"Study {table.plan.key[:6]}: {len(table.held_out) - held_out} runs and {held_out} held-out "
-        f"designs in {store}; {table.computed} computed now, {len(table.failures)} without a result"
-    )
-    if table.added:
-        text += f", {table.added} of the runs added to the plan's"
-    if table.excluded:
-        text += f", {len(table.excluded)} excluded by the plan"
-    if table.extra:
-        text += f", {len(table.extra)} imported rows"
-    return f"{text}."
 
 
 def _quantity(text: str | None, unit: str, option: str) -> float | None:

@@ -109,7 +109,16 @@ def engine_template(
     )
     arranged, bank_lines, sizes = "in line", "", IN_LINE_SIZES
     if v_angle is not None:
-        angle = _v_angle_deg(v_angle, cylinders, strokes)
+        if v_angle == "even":
+            angle = even_v_angle_deg(cylinders, strokes)
+        else:
+            allowed = f'"{V_ANGLES[0]:g} deg" to "{V_ANGLES[1]:g} deg", or "even"'
+            angle = round(math.degrees(parse_quantity(v_angle, "rad", "--v-angle", allowed)), 9)
+            if not V_ANGLES[0] <= angle <= V_ANGLES[1]:
+                raise InputError(
+                    f"--v-angle: given {v_angle}; allowed is {allowed}, because closer banks of this engine "
+                    "meet."
+                )
         turns = reversed(range(strokes // 2))
         choices = [np.append(fires, (fires + angle + 360.0 * turn) % cycle) for turn in turns]
         fires = min(choices, key=lambda chosen: round(np.ptp(_intervals(chosen, strokes)), 6))
@@ -177,18 +186,6 @@ def steps_text(steps: Array) -> str:
     if np.ptp(steps) < np.degrees(EVEN):
         return f"every {steps[0]:.6g} deg"
     return f"at intervals of {written(intervals_text(steps.tolist()))}"
-
-
-def _v_angle_deg(text: str, cylinders: int, strokes: int) -> float:
-    if text == "even":
-        return even_v_angle_deg(cylinders, strokes)
-    allowed = f'"{V_ANGLES[0]:g} deg" to "{V_ANGLES[1]:g} deg", or "even"'
-    angle = round(math.degrees(parse_quantity(text, "rad", "--v-angle", allowed)), 9)
-    if not V_ANGLES[0] <= angle <= V_ANGLES[1]:
-        raise InputError(
-            f"--v-angle: given {text}; allowed is {allowed}, because closer banks of this engine meet."
-        )
-    return angle
 
 
 def _intervals(fires_deg: Array, strokes: int) -> Array:

@@ -409,50 +409,46 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
             "by crankfem new mine.toml --from crosshead-30-100."
         )
     with content.all_errors(KINDS):
-        return _read_hinge(content)
-
-
-def _read_hinge(content: TomlFile) -> HingeFile:
-    content.check_sections({section: section in NEEDED for section in KINDS})
-    crank, rod = content.required("engine", Crank), content.required("rod", HingeRod)
-    sliding, hinge = content.required("sliding", Sliding), content.required("hinge", Hinge)
-    engine = CrossheadEngine(
-        rod=ConnectingRod(rod.length, rod.mass, rod.center_distance, rod.inertia),
-        **crank.model_dump(exclude={"name"}),
-        **sliding.model_dump(),
-    )
-    spring = GasSpring(
-        piston_area=hinge.piston_area,
-        height=hinge.height,
-        pressure=hinge.pressure,
-        exponent=hinge.exponent,
-        ambient=hinge.ambient_pressure,
-    )
-    operation = content.required("operation", Operation)
-    calculated = any(point.pressures is not None for point in operation.points)
-    file = HingeFile(
-        files=content.files,
-        name=crank.name,
-        engine=engine,
-        spring=spring,
-        start_radius=hinge.start_radius,
-        roller_radius=hinge.roller_radius,
-        design_speed=hinge.design_speed,
-        cycle=content.required("cycle", Cycle) if calculated else content.model("cycle", Cycle),
-        operation=operation,
-        comparison=content.model("comparison", Comparison),
-        records=tuple(content.records),
-        sources=content.sources,
-    )
-    file.point_at("hinge.design_speed", hinge.design_speed)
-    for point in operation.points:  # refuses what cannot be read
-        if point.gas_force_table is not None:
-            file._gas_force(point)
-        design = math.isclose(point.speed, hinge.design_speed, rel_tol=SAME_SPEED)
-        if design and point.pressure not in (None, hinge.pressure):
-            raise InputError(
-                f"operation.points.pressure: given {format_quantity(point.pressure or 0.0, 'Pa')} at "
-                f"design_speed; allowed is hinge.pressure, {format_quantity(hinge.pressure, 'Pa')}, or none, "
-                "because the guides are made for that."
-            )
-    return file
+        content.check_sections({section: section in NEEDED for section in KINDS})
+        crank, rod = content.required("engine", Crank), content.required("rod", HingeRod)
+        sliding, hinge = content.required("sliding", Sliding), content.required("hinge", Hinge)
+        engine = CrossheadEngine(
+            rod=ConnectingRod(rod.length, rod.mass, rod.center_distance, rod.inertia),
+            **crank.model_dump(exclude={"name"}),
+            **sliding.model_dump(),
+        )
+        spring = GasSpring(
+            piston_area=hinge.piston_area,
+            height=hinge.height,
+            pressure=hinge.pressure,
+            exponent=hinge.exponent,
+            ambient=hinge.ambient_pressure,
+        )
+        operation = content.required("operation", Operation)
+        calculated = any(point.pressures is not None for point in operation.points)
+        file = HingeFile(
+            files=content.files,
+            name=crank.name,
+            engine=engine,
+            spring=spring,
+            start_radius=hinge.start_radius,
+            roller_radius=hinge.roller_radius,
+            design_speed=hinge.design_speed,
+            cycle=content.required("cycle", Cycle) if calculated else content.model("cycle", Cycle),
+            operation=operation,
+            comparison=content.model("comparison", Comparison),
+            records=tuple(content.records),
+            sources=content.sources,
+        )
+        file.point_at("hinge.design_speed", hinge.design_speed)
+        for point in operation.points:  # refuses what cannot be read
+            if point.gas_force_table is not None:
+                file._gas_force(point)
+            design = math.isclose(point.speed, hinge.design_speed, rel_tol=SAME_SPEED)
+            if design and point.pressure not in (None, hinge.pressure):
+                raise InputError(
+                    f"operation.points.pressure: given {format_quantity(point.pressure or 0.0, 'Pa')} at "
+                    f"design_speed; allowed is hinge.pressure, {format_quantity(hinge.pressure, 'Pa')}, or "
+                    "none, because the guides are made for that."
+                )
+        return file

@@ -66,7 +66,23 @@ def in_model(question: Question, path: Path, engine: str | None, fixed: Sequence
     remarks: tuple[str, ...] = ()
     bounds = _frequency_bounds(question)
     if bounds or engine is not None:
-        read = load_engine(_engine_of_bounds(bounds, model, engine))
+        if engine is None:
+            raise InputError(
+                f"--first-{next(iter(bounds))}-frequency: given without --engine; allowed is both, because "
+                "the frequency is that of a whole engine."
+            )
+        if not bounds:
+            raise InputError(
+                f"--engine: given {engine!r} without a frequency; allowed is both, like "
+                '--first-axial-frequency ">= 40 Hz".'
+            )
+        for kind in bounds:
+            if f"{kind}_compliance" not in model.responses:
+                raise InputError(
+                    f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a "
+                    "model with it, because the frequency follows from it."
+                )
+        read = load_engine(engine)
         model = model.of_material(read.material)
         of_engine = engine_frequencies(read)
         limits += [frequency_limit(kind, of_engine, model, bound) for kind, bound in bounds.items()]
@@ -76,29 +92,6 @@ def in_model(question: Question, path: Path, engine: str | None, fixed: Sequence
         )
     best = find_optimum(model, question.minimize, limits, fixed=held, margins=question.margins)
     return Answer(replace(best, remarks=(*best.remarks, *remarks)), model.family)
-
-
-def _engine_of_bounds(
-    bounds: Mapping[Kind, float], model: ComplianceModel, engine: str | None
-) -> str:
-    """Return the engine whose frequencies have bounds; refuse it without bounds, and bounds without it."""
-    if engine is None:
-        raise InputError(
-            f"--first-{next(iter(bounds))}-frequency: given without --engine; allowed is both, because "
-            "the frequency is that of a whole engine."
-        )
-    if not bounds:
-        raise InputError(
-            f"--engine: given {engine!r} without a frequency; allowed is both, like "
-            '--first-axial-frequency ">= 40 Hz".'
-        )
-    for kind in bounds:
-        if f"{kind}_compliance" not in model.responses:
-            raise InputError(
-                f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a model "
-                "with it, because the frequency follows from it."
-            )
-    return engine
 
 
 def among_throws(

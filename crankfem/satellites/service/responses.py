@@ -63,11 +63,15 @@ def described(
         for code in sorted(codes)
     }
     if asked is not None:
+        schema: dict[str, Any] = asked.model_json_schema(ref_template=f"{REF}{{model}}")
+        fields = schema["properties"]
+        for name, record in (("throw", CrankThrow), ("material", Material)):
+            if name in fields:
+                named = {"$ref": f"{REF}{record.__name__}"}
+                needed = asked.model_fields[name].is_required()
+                fields[name] = named if needed else {"anyOf": [named, {"type": "null"}]}
         options["openapi_extra"] = {
-            "requestBody": {
-                "required": True,
-                "content": {JSON: {"schema": _question_schema(asked)}},
-            }
+            "requestBody": {"required": True, "content": {JSON: {"schema": schema}}}
         }
     return options
 
@@ -78,17 +82,6 @@ def record_schemas() -> dict[str, Any]:
     whole: dict[str, Any] = Problem.model_json_schema(ref_template=f"{REF}{{model}}")
     schemas |= whole.pop("$defs")
     return schemas | {Problem.__name__: whole}
-
-
-def _question_schema(kind: type[InputModel]) -> dict[str, Any]:
-    schema: dict[str, Any] = kind.model_json_schema(ref_template=f"{REF}{{model}}")
-    fields = schema["properties"]
-    for name, record in (("throw", CrankThrow), ("material", Material)):
-        if name in fields:
-            named = {"$ref": f"{REF}{record.__name__}"}
-            needed = kind.model_fields[name].is_required()
-            fields[name] = named if needed else {"anyOf": [named, {"type": "null"}]}
-    return schema
 
 
 def _record_schema(kind: type[InputModel]) -> dict[str, Any]:
