@@ -19,8 +19,8 @@ from crankbase.choices import (
 )
 from crankbase.diagrams import BLUE, GRAY, RED, legend_inside, new_axes, write_title
 from crankbase.errors import InputError
+from crankbase.even_points import latin_hypercube
 from crankbase.frames import Axes
-from crankbase.latin_hypercube import latin_hypercube
 from crankbase.results import Internal, Number, Result, result
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node

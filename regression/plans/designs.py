@@ -10,7 +10,7 @@ import numpy as np
 
 from crankbase.array_checks import Array, Flags, Integers
 from crankbase.errors import InputError
-from crankbase.latin_hypercube import centered_discrepancy, latin_hypercube
+from crankbase.even_points import centered_discrepancy, latin_hypercube, sobol_sequence
 from crankbase.results import Number, Quantity, Result, result
 from crankbase.summaries import frozen
 from regression.plans.factors import Factor, rounded
@@ -75,11 +75,8 @@ def with_points_at_ends(points: Points, choices: Sequence[int]) -> Points:
 
 def sobol_points(count: int, choices: Sequence[int], seed: Sequence[int]) -> Points:
     """First points (n, k) of a scrambled Sobol sequence; arguments as of `latin_hypercube_points`."""
-    from scipy.stats import qmc  # here: loading it takes most of a second
-
-    sampler = qmc.Sobol(len(choices), rng=np.random.default_rng(list(seed)))
-    power = max(0, math.ceil(math.log2(count)))
-    return _at_choices(sampler.random_base2(power)[:count], choices)
+    start = np.random.default_rng(list(seed))
+    return _at_choices(sobol_sequence(count, len(choices), start), choices)
 
 
 def _at_choices(points: Points, choices: Sequence[int]) -> Points:

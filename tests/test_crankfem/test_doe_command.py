@@ -337,6 +337,20 @@ def test_fit_prints_and_saves_a_model(store, call, tmp_path):
     )
 
 
+@pytest.mark.slow
+def test_fit_loads_no_statistics(store, spawn):
+    """They take a second, which every run would wait for."""
+    code = (
+        "import sys, crankfem.jobs.pipeline; from crankfem.cli.entry import main; main(); "
+        "print([name for name in ('scipy.stats', 'gmsh') if name in sys.modules])"
+    )
+    answer = spawn(
+        store, "--full", command=[sys.executable, "-c", code, "fit"], folder=store.parent
+    )
+    assert "Sobol, first" in answer.out
+    assert answer.out.splitlines()[-1] == "[]", answer.err
+
+
 @pytest.mark.further
 def test_fit_writes_diagrams_and_json(store, call, tmp_path):
     answer = call("fit", store, "--plots", "diagrams", "--json", "--model", "other.json")

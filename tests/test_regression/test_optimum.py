@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from comparing import close
 from crankbase.errors import InputError
@@ -19,6 +20,8 @@ from regression.fits.fits import (
 )
 from regression.fits.forms import FittedForm
 from regression.fits.sensitivity import (
+    SOBOL_POINTS,
+    SOBOL_SEED,
     constrained_indices,
     elasticities,
     region_sample,
@@ -319,6 +322,21 @@ def test_sobol_indices_of_ishigami():
     assert list(found.first) == ["a", "b", "c"]
     assert [*found.first.values()] == close([v1 / total, v2 / total, 0.0], abs=0.01)
     assert [*found.total.values()] == close([(v1 + v13) / total, v2 / total, v13 / total], abs=0.01)
+
+
+def test_sobol_indices_are_those_of_scipy():
+    factors = [*UNIT[:2], KIND]
+
+    def product(x):
+        return 1e-9 * (1 + x[:, 0] ** 2) * (2 + np.sin(9.0 * x[:, 1])) * (1 + x[:, 2])
+
+    spreads = [stats.uniform(0.0, 1.0)] * 2 + [stats.randint(0, len(KIND.labels))]
+    theirs = stats.sobol_indices(
+        func=lambda x: 1e9 * product(x.T), n=SOBOL_POINTS, dists=spreads, rng=SOBOL_SEED
+    )
+    found = sobol_indices(product, factors)
+    assert [*found.first.values()] == close(theirs.first_order.ravel(), rel=1e-12, abs=1e-14)
+    assert [*found.total.values()] == close(theirs.total_order.ravel(), rel=1e-12, abs=1e-14)
 
 
 def test_one_factor_has_all_of_the_variance():

@@ -1,10 +1,12 @@
 """Points of designs, held against those of scipy."""
 
+import copy
+
 import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from crankbase.latin_hypercube import centered_discrepancy, latin_hypercube
+from crankbase.even_points import centered_discrepancy, latin_hypercube, sobol_sequence
 
 
 @pytest.mark.parametrize("columns", [1, 2, 3, 8, 30])
@@ -34,3 +36,13 @@ def test_discrepancy_is_that_of_scipy_to_the_last_bit(count, columns):
 
 def test_no_columns_have_no_discrepancy():
     assert abs(centered_discrepancy(np.empty((7, 0)))) < 1e-15
+
+
+@pytest.mark.parametrize("start", [1, np.random.default_rng([5, 7])], ids=["number", "generator"])
+@pytest.mark.parametrize("bits", [30, 64])
+@pytest.mark.parametrize("columns", [1, 2, 7, 40, 41])
+def test_a_sobol_sequence_is_that_of_scipy_to_the_last_bit(columns, bits, start):
+    theirs = qmc.Sobol(columns, rng=copy.deepcopy(start), bits=bits).random(256)
+    for count in (1, 2, 3, 100, 256):
+        drawn = sobol_sequence(count, columns, copy.deepcopy(start), bits)
+        assert np.array_equal(drawn, theirs[:count])
