@@ -118,7 +118,12 @@ class CallProcess:
             If it is gone instead.
         """
         if message is None:
-            self.lose(f"{self._what} {_ending(self._process.wait())}")
+            code = self._process.wait()
+            ending = f"died (exit code {code})"
+            if name := signal_name(code):
+                hint = ", as the system does when memory runs out" if name == "SIGKILL" else ""
+                ending = f"was ended by {name}{hint}"
+            self.lose(f"{self._what} {ending}")
         return message
 
     def watch(self, limits: Limits) -> None:
@@ -202,14 +207,6 @@ def _memory(number: int, tree: bool) -> float:
             with contextlib.suppress(psutil.Error):
                 total += running.memory_info().rss
     return total
-
-
-def _ending(code: int) -> str:
-    name = signal_name(code)
-    if name is None:
-        return f"died (exit code {code})"
-    hint = ", as the system does when memory runs out" if name == "SIGKILL" else ""
-    return f"was ended by {name}{hint}"
 
 
 def answered(kind: str, content: Any) -> Any:

@@ -154,12 +154,17 @@ def read_exported_table(file: InputFile, what: str, sheet: str = "") -> Exported
             f"{file.path}: given the sheet {quoted(sheet)} of text; allowed is a spreadsheet (.xlsx)."
         )
     else:
-        comments, separator, rows = _text_rows(file.path, _decoded(file.path, content, what))
+        comments, separator, rows = _text_rows(file.path, content, what)
     return _table_of(file.path, rows, comments, separator)
 
 
-def _decoded(path: Path, content: bytes, what: str) -> str:
-    """Return a file's text, in UTF-8, UTF-16 with its mark, or else Windows-1252."""
+Row = tuple[int, list[str]]
+
+
+def _text_rows(
+    path: Path, content: bytes, what: str
+) -> tuple[tuple[str, ...], str | None, list[Row]]:
+    """Return comments, separator and rows of text, in UTF-8, UTF-16 with its mark, or else Windows-1252."""
     wrong = wrong_kind(content[:LOOKED_AT])
     unicode_text = content.startswith(UTF_16)
     if wrong is not None and wrong != CSV and not unicode_text:
@@ -168,14 +173,10 @@ def _decoded(path: Path, content: bytes, what: str) -> str:
         with suppress(UnicodeDecodeError):
             text = content.decode(encoding)
             if "\0" not in text:
-                return text.replace("\r\n", "\n").replace("\r", "\n")
-    raise InputError(f"{path}: is no text; allowed is a {what} (CSV or .xlsx).")
-
-
-Row = tuple[int, list[str]]
-
-
-def _text_rows(path: Path, text: str) -> tuple[tuple[str, ...], str | None, list[Row]]:
+                break
+    else:
+        raise InputError(f"{path}: is no text; allowed is a {what} (CSV or .xlsx).")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
     comments, lines = [], []
     for place, line in enumerate(text.split("\n"), start=1):
         stripped = line.strip(" \ufeff")
@@ -185,20 +186,17 @@ def _text_rows(path: Path, text: str) -> tuple[tuple[str, ...], str | None, list
             lines.append((place, stripped))
     looked_at = [line for _, line in lines[:LINES_LOOKED_AT]]
     separator = max(SEPARATORS, key=lambda mark: _suits(looked_at, mark))
-    if separator == "," and _is_one_column(looked_at):
-        separator = ";"
+    if separator == ",":
+        # The commas may be those before decimals, below the heading of a single column.
+        numbers = [bool(_COMMA.fullmatch(line)) for line in looked_at]
+        first = next((place for place, alone in enumerate(numbers) if alone), 0)
+        if first > 0 and all(numbers[first:]) and "," not in looked_at[first - 1]:
+            separator = ";"
     try:
         rows = [(place, split_line(line, separator)) for place, line in lines]
         return tuple(comments), separator, rows
     except csv.Error as error:
         raise InputError(f"{path}: is no table ({error}).") from None
-
-
-def _is_one_column(lines: Sequence[str]) -> bool:
-    """Whether the commas in lines are those before decimals below one heading."""
-    numbers = [bool(_COMMA.fullmatch(line)) for line in lines]
-    first = next((place for place, alone in enumerate(numbers) if alone), 0)
-    return first > 0 and all(numbers[first:]) and "," not in lines[first - 1]
 
 
 def separator_of(header: str) -> str:

@@ -20,10 +20,13 @@ import tempfile
 import threading
 import time
 import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from uuid import uuid4
+
+T = TypeVar("T")
 
 # What the child does: run a module, or remove a folder when its owner is done or gone.
 MODULE, REMOVE = "module", "remove"
@@ -36,6 +39,20 @@ LOOK = 0.5
 GARBAGE_THRESHOLD = 100_000
 # A folder in which a dying process still writes is removed by one of so many tries, so many seconds apart.
 TRIES, PAUSE = 20, 0.05
+
+
+def once_per_process(make: Callable[[], T]) -> Callable[[], T]:
+    """Let a function make what it returns once in a process; a forked child gets one of its own."""
+
+    @cache
+    def made_by(_process: int) -> T:
+        return make()
+
+    @wraps(make)
+    def shared() -> T:
+        return made_by(os.getpid())
+
+    return shared
 
 
 def start_child(

@@ -130,7 +130,8 @@ class Amount:
         converted = units.of(unit) if units is not None and unit in UNITS else None
         if converted is not None and converted.wished:
             # What is written out, as 250000, has zeros that are no digits.
-            kept = max(min(_digits(number), digits), LEAST_DIGITS)
+            written = number.partition("e")[0].lstrip("+-").lstrip("0.").replace(".", "")
+            kept = max(min(len(written), digits), LEAST_DIGITS)
             size = converted.size
             if number.endswith("e-9"):  # as in tables
                 converted = cast("Units", units).of(f"{POWER_OF_TEN}{unit}")
@@ -138,11 +139,6 @@ class Amount:
         if most is not None and not self.exact:
             number = _cut(number, value / size, most)
         return (f"+{number}" if self.signed and value >= 0.0 else number), unit
-
-
-def _digits(number: str) -> int:
-    """Count the significant digits of a number."""
-    return len(number.partition("e")[0].lstrip("+-").lstrip("0.").replace(".", ""))
 
 
 def _cut(number: str, exact: float, most: int) -> str:
@@ -234,14 +230,11 @@ def _read(mark: str) -> Amount:
     value, unit, *how = mark.split("|")
     named: dict[str, Any] = dict(entry.split("=", 1) for entry in how)
     for name, text in named.items():
-        named[name] = text if name == "shown" else _plain(text)
+        if text in ("True", "False"):
+            named[name] = text == "True"
+        elif name != "shown":
+            named[name] = int(text) if text.lstrip("-").isdigit() else float(text)
     return Amount(float(value), unit, **named)
-
-
-def _plain(text: str) -> Any:
-    if text in ("True", "False"):
-        return text == "True"
-    return int(text) if text.lstrip("-").isdigit() else float(text)
 
 
 class Sentence(str):

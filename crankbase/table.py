@@ -148,7 +148,14 @@ class OutputUnits:
             name, factor_size = (factor, 1.0) if requested is None else requested
             names.append((f"({name})" if re.search(r"[ /]", name) else name, power))
             size *= factor_size**power
-        return (_joined(names), size) if changed else None
+        if not changed:
+            return None
+        above = [_power(name, power) for name, power in names if power > 0]
+        below = [_power(name, -power) for name, power in names if power < 0]
+        if not below:
+            return " ".join(above), size
+        under = below[0] if len(below) == 1 else f"({' '.join(below)})"
+        return f"{' '.join(above) or '1'}/{under}", size
 
     def _requested(self, unit: str) -> tuple[str, float] | None:
         kind = kind_of_si(unit)
@@ -221,15 +228,6 @@ def _factors(unit: str) -> list[tuple[str, int]]:
             name, _, power = factor.partition("^")
             factors.append((name, sign * int(power or 1)))
     return factors
-
-
-def _joined(factors: list[tuple[str, int]]) -> str:
-    above = [_power(name, power) for name, power in factors if power > 0]
-    below = [_power(name, -power) for name, power in factors if power < 0]
-    if not below:
-        return " ".join(above)
-    under = below[0] if len(below) == 1 else f"({' '.join(below)})"
-    return f"{' '.join(above) or '1'}/{under}"
 
 
 def _power(name: str, power: int) -> str:

@@ -419,6 +419,20 @@ class _Unit(NamedTuple):
     size: float
     names: frozenset[str]
 
+    def size_in(self, unit: str) -> float | None:
+        """Return the size of a unit in one of SI, None if it is of another kind."""
+        wanted = _unit(unit)
+        (dimension, angle), (wanted_dimension, wanted_angle) = self.kind, wanted.kind
+        if dimension != wanted_dimension or not self.names.isdisjoint(_ZEROS):
+            return None
+        size = self.size / wanted.size
+        if unit in PER_TURN:
+            if angle not in (0.0, 1.0):
+                return None
+            return size * math.pow(2.0 * math.pi, wanted_angle - angle)
+        left_out = angle == 0.0 and "N m" in unit and self.names.isdisjoint(_COUNTING)
+        return size if angle == wanted_angle or left_out else None
+
 
 @lru_cache(maxsize=4096)
 def _unit(text: str, weights: bool = False) -> _Unit:
@@ -472,21 +486,6 @@ def size_in(text: str, unit: str) -> tuple[float, float]:
             )
         if unit == "K" and len(source.names) == 1 and not source.names.isdisjoint(_ZEROS):
             return _ZEROS[next(iter(source.names))]
-        if (size := _size(source, unit)) is not None:
+        if (size := source.size_in(unit)) is not None:
             return size, 0.0
     raise OtherKindError(text)
-
-
-def _size(source: _Unit, unit: str) -> float | None:
-    """Return the size of a unit in one of SI, None if it is of another kind."""
-    wanted = _unit(unit)
-    (dimension, angle), (wanted_dimension, wanted_angle) = source.kind, wanted.kind
-    if dimension != wanted_dimension or not source.names.isdisjoint(_ZEROS):
-        return None
-    size = source.size / wanted.size
-    if unit in PER_TURN:
-        if angle not in (0.0, 1.0):
-            return None
-        return size * math.pow(2.0 * math.pi, wanted_angle - angle)
-    left_out = angle == 0.0 and "N m" in unit and source.names.isdisjoint(_COUNTING)
-    return size if angle == wanted_angle or left_out else None
