@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from crankbase.array_checks import Array, Integers
 from crankbase.errors import InputError, MeshError
 from geometry.mesh import ThrowMesh, six_node_triangles
-from geometry.parts import Arc, Cylinder, Point, Sector, ThrowParts, WebPlate
+from geometry.parts import Arc, Cylinder, Drilling, Point, Sector, ThrowParts, WebPlate
 from geometry.solid import OIL_HOLE, part_end
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record, values_by_path
@@ -220,11 +220,7 @@ def bounding_surfaces(parts: ThrowParts, part: str) -> dict[str, Surface]:
         if web.sector:
             surfaces |= _sector_surfaces(web, web.sector)
     for hole in parts.drillings:
-        surfaces[f"oil hole {hole.number}"] = Surface(_drilled(hole.local, hole.radius))
-        if not hole.through:
-            surfaces[f"end of oil hole {hole.number}"] = Surface(
-                _bottom(hole.local, hole.inner_end)
-            )
+        surfaces |= _hole_surfaces(hole)
     return surfaces
 
 
@@ -325,6 +321,18 @@ def _round(axis: tuple[float, float], radius: float) -> Level:
     return lambda x: np.hypot(x[:, 0] - axis[0], x[:, 1] - axis[1]) - radius
 
 
+def _hole_surfaces(hole: Drilling) -> dict[str, Surface]:
+    def wall(x: Array) -> Array:
+        p, q, _ = hole.local(x).T
+        return np.asarray(np.hypot(p, q) - hole.radius)
+
+    surfaces = {f"oil hole {hole.number}": Surface(wall)}
+    if not hole.through:
+        end = Surface(lambda x: hole.local(x)[:, 2] - hole.inner_end)
+        surfaces[f"end of oil hole {hole.number}"] = end
+    return surfaces
+
+
 def _torus(axis: tuple[float, float], radius: float, fillet: float, z: float) -> Level:
     reach = _round(axis, radius + fillet)
     return lambda x: np.hypot(reach(x), x[:, 2] - z) - fillet
@@ -353,15 +361,3 @@ def _line(start: Point, end: Point) -> Callable[[Array, Array], Array]:
 def _inclined(web: WebPlate, start: float, face: float, run: float, fall: float) -> Level:
     size = math.hypot(run, fall)
     return lambda x: ((x[:, 2] - face) * run - (_across(web, x)[1] - start) * fall) / size
-
-
-def _drilled(local: Callable[[Array], Array], radius: float) -> Level:
-    def level(x: Array) -> Array:
-        p, q, _ = local(x).T
-        return np.asarray(np.hypot(p, q) - radius)
-
-    return level
-
-
-def _bottom(local: Callable[[Array], Array], end: float) -> Level:
-    return lambda x: local(x)[:, 2] - end

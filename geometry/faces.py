@@ -259,7 +259,11 @@ def meetings(
                         found.fillets.setdefault(zone, []).append(other)
                         radius = curvature_radius(gmsh, other)
                         found.radii[zone] = min(radius, found.radii.get(zone, math.inf))
-                elif _concave(gmsh, solid, point, normal, out, 1e-3 * item.radius):
+                    continue
+                # In an inner corner, the solid of the other face lies along the normal of this one.
+                away = (normal - out) / np.linalg.norm(normal - out)
+                probe = point + 1e-3 * item.radius * away
+                if gmsh.model.isInside(3, solid, probe.tolist()):
                     found.corners.setdefault(zone, []).append(curve)
     unique = {zone: sorted(set(tags)) for zone, tags in found.fillets.items()}
     return Meetings(unique, found.corners, found.radii)
@@ -278,9 +282,3 @@ def normal_at(gmsh: Any, tag: int, point: Array) -> Array:
     """Normal of a face out of the solid."""
     where = gmsh.model.getParametrization(2, tag, point.tolist())
     return np.asarray(gmsh.model.getNormal(tag, where), dtype=float)
-
-
-def _concave(gmsh: Any, solid: int, point: Array, first: Array, second: Array, step: float) -> bool:
-    """Whether two faces meet in an inner corner: along one's normal then lies the other's solid."""
-    probe = point + step * (first - second) / np.linalg.norm(first - second)
-    return bool(gmsh.model.isInside(3, solid, probe.tolist()))

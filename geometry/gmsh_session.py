@@ -3,14 +3,12 @@
 import atexit
 import ctypes
 import math
-import os
 import re
 import signal
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ import numpy as np
 from crankbase.array_checks import Array
 from crankbase.calls import CallProcess, Limits, answered
 from crankbase.errors import InputError, MeshError, MissingLibraryError
-from crankbase.processes import start_child
+from crankbase.processes import once_per_process, start_child
 
 # The Debian and Ubuntu packages of the system libraries that gmsh's wheel loads.
 DEBIAN_PACKAGES = {
@@ -284,13 +282,9 @@ class IsolatedProcess:
         return answered(*answer)
 
 
-@cache
-def _process_of(_owner: int) -> IsolatedProcess:
+@once_per_process
+def shared_process() -> IsolatedProcess:
+    """Return the process shared by all calls from this one; a forked child gets its own."""
     process = IsolatedProcess()
     atexit.register(process.close)
     return process
-
-
-def shared_process() -> IsolatedProcess:
-    """Return the process shared by all calls from this one; a forked child gets its own."""
-    return _process_of(os.getpid())

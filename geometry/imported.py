@@ -271,7 +271,7 @@ class ImportedThrow:
                     made = self.placed(gmsh, tag, part)
                     seconds = time.perf_counter() - opened
                     if sizes is None:
-                        _set_sizes(gmsh, self, made, factor)
+                        self._set_sizes(gmsh, made, factor)
                     else:
                         set_size_map(gmsh, sizes, factor, self.parts)
                 mesh = checked_mesh(
@@ -348,6 +348,18 @@ class ImportedThrow:
         )
         return ThrowParts(self.cylinders, webs)
 
+    def _set_sizes(self, gmsh: Any, part: PartOfSolid, factor: float) -> None:
+        """Sizes at fillets and corners by a field, elsewhere by curvature."""
+        plan = _scaled(self.plan, factor)
+        # Elements round a circle, as long beside its radius as at fillets, which an end part may lack.
+        longest = factor * ROOT_PER_FILLET if self.pins else min(factor, 1.0) * LARGEST_ON_ROUND
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 2.0 * math.pi / longest)
+        gmsh.option.setNumber("Mesh.MeshSizeMin", factor * self.smallest)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", plan.bulk)
+        if not plan.zones:
+            return
+        set_face_sizes(gmsh, self.holes, part.fillets, part.corners, plan)
+
 
 @dataclass(frozen=True)
 class RequestedFaces:
@@ -409,10 +421,14 @@ def import_throw(
     if not step.faces:
         wanted = RequestedFaces(None, None, None)
     else:
+        if pins is not None and len(pins) == 0:
+            raise InputError("pins: given no names; allowed is one for each crankpin.")
         wanted = RequestedFaces(
             _named(step.faces, "left_end", left_end, PLANE),
             _named(step.faces, "right_end", right_end, PLANE),
-            None if pins is None else _named_pins(step.faces, pins),
+            None
+            if pins is None
+            else tuple(_named(step.faces, "pins", name, CYLINDER) or () for name in pins),
         )
     process = shared_process() if process is None else process
     try:
@@ -467,14 +483,6 @@ def _named(
                 f"{field}: given {name!r}, which names a face on a {face.kind}; allowed is {allowed}."
             )
     return named
-
-
-def _named_pins(
-    faces: tuple[StepFace, ...], names: Sequence[str]
-) -> tuple[tuple[StepFace, ...], ...]:
-    if len(names) == 0:
-        raise InputError("pins: given no names; allowed is one for each crankpin.")
-    return tuple(_named(faces, "pins", name, CYLINDER) or () for name in names)
 
 
 def _web(name: str, before: Cylinder, after: Cylinder, corners: Array) -> WebPlate:
@@ -543,16 +551,3 @@ def _scaled(plan: SizePlan, factor: float) -> SizePlan:
         for zone in plan.zones
     )
     return SizePlan(factor * plan.bulk, zones)
-
-
-def _set_sizes(gmsh: Any, throw: ImportedThrow, part: PartOfSolid, factor: float) -> None:
-    """Sizes at fillets and corners by a field, elsewhere by curvature."""
-    plan = _scaled(throw.plan, factor)
-    # Elements round a circle, as long beside its radius as at fillets; an end part may have no fillet at all.
-    longest = factor * ROOT_PER_FILLET if throw.pins else min(factor, 1.0) * LARGEST_ON_ROUND
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 2.0 * math.pi / longest)
-    gmsh.option.setNumber("Mesh.MeshSizeMin", factor * throw.smallest)
-    gmsh.option.setNumber("Mesh.MeshSizeMax", plan.bulk)
-    if not plan.zones:
-        return
-    set_face_sizes(gmsh, throw.holes, part.fillets, part.corners, plan)

@@ -3,11 +3,9 @@
 import atexit
 import hashlib
 import math
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Annotated
 from uuid import uuid4
@@ -19,7 +17,7 @@ from crankbase.calls import ProcessLostError
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.outputs import write_errors, write_text
-from crankbase.processes import scratch_folder
+from crankbase.processes import once_per_process, scratch_folder
 from crankbase.results import Quantity, Result, result
 from crankbase.sentences import amount, with_sentences
 from crankbase.summaries import summarized
@@ -237,7 +235,7 @@ def import_crankshaft(
             time_limit=TIME_LIMIT,
             on_remark=tell,
         )
-        into = _scratch(os.getpid()) / uuid4().hex if folder is None else Path(folder)
+        into = _scratch() / uuid4().hex if folder is None else Path(folder)
         with write_errors(into):
             into.mkdir(parents=True, exist_ok=True)
         throws: list[ImportedThrow] = []
@@ -251,11 +249,34 @@ def import_crankshaft(
         free, flange = (_end(cut, piece, into / name, process) for piece, name in beyond)
     except ProcessLostError as error:
         raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
-    return _crankshaft(str(path), unit, cut, tuple(throws), (free, flange))
+    pieces = cut.throws
+    angles = [
+        round(math.degrees(angle_of(cut.pins[piece.pins[0]].axis)), ANGLE_DECIMALS) % 360.0
+        for piece in pieces
+    ]
+    return ImportedCrankshaft(
+        path=str(path),
+        unit=unit,
+        solids=cut.solids,
+        solid=cut.solids[cut.chosen].name,
+        axes=cut.rotation,
+        origin=cut.origin,
+        throws=tuple(throws),
+        angles_deg=tuple(angles),
+        starts=(*(piece.low for piece in pieces), pieces[-1].high),
+        like=tuple((piece.like + 1, piece.change) for piece in pieces),
+        symmetries=tuple(throw.symmetry for throw in throws),
+        journals=tuple(map(_cylinder, cut.mains)),
+        pins=tuple(map(_cylinder, cut.pins)),
+        bores=tuple(map(_cylinder, cut.bores)),
+        ends=(free, flange),
+        remarks=_remarks(cut, unit, throws),
+        _pieces=pieces,
+    )
 
 
-@cache
-def _scratch(_owner: int) -> Path:
+@once_per_process
+def _scratch() -> Path:
     """A folder that is removed with this process."""
     stack = ExitStack()
     atexit.register(stack.close)
@@ -296,45 +317,6 @@ def _imported(cut: CutShaft, piece: Piece, file: Path, process: IsolatedProcess)
     return throw
 
 
-def _crankshaft(
-    path: str,
-    unit: float,
-    cut: CutShaft,
-    throws: tuple[ImportedThrow, ...],
-    ends: tuple[EndPart | None, EndPart | None],
-) -> ImportedCrankshaft:
-    pieces = cut.throws
-    angles = [
-        round(math.degrees(angle_of(cut.pins[piece.pins[0]].axis)), ANGLE_DECIMALS) % 360.0
-        for piece in pieces
-    ]
-    return ImportedCrankshaft(
-        path=path,
-        unit=unit,
-        solids=cut.solids,
-        solid=cut.solids[cut.chosen].name,
-        axes=cut.rotation,
-        origin=cut.origin,
-        throws=throws,
-        angles_deg=tuple(angles),
-        starts=(*(piece.low for piece in pieces), pieces[-1].high),
-        like=tuple((piece.like + 1, piece.change) for piece in pieces),
-        symmetries=tuple(throw.symmetry for throw in throws),
-        journals=tuple(map(_cylinder, cut.mains)),
-        pins=tuple(map(_cylinder, cut.pins)),
-        bores=tuple(map(_cylinder, cut.bores)),
-        ends=ends,
-        remarks=(*_remarks(cut, unit), *_unused_symmetries(pieces, throws)),
-        _pieces=pieces,
-    )
-
-
-def _unused_symmetries(pieces: Sequence[Piece], throws: Sequence[ImportedThrow]) -> Iterator[str]:
-    for number, (piece, throw) in enumerate(zip(pieces, throws, strict=True), start=1):
-        if piece.copied is None and piece.symmetry != throw.symmetry:
-            yield f"Throw {number}: {throw.remarks[-1]}"
-
-
 def _end(
     cut: CutShaft, piece: Piece | None, file: Path, process: IsolatedProcess
 ) -> EndPart | None:
@@ -361,7 +343,7 @@ def _cylinder(found: FoundCylinder) -> ShaftCylinder:
     )
 
 
-def _remarks(cut: CutShaft, unit: float) -> list[str]:
+def _remarks(cut: CutShaft, unit: float, throws: Sequence[ImportedThrow]) -> tuple[str, ...]:
     """Say how the file was understood."""
     axis = cut.rotation[2]
     main = int(np.argmax(np.abs(axis)))
@@ -384,4 +366,8 @@ def _remarks(cut: CutShaft, unit: float) -> list[str]:
             "The solid has spline faces: masses are from meshes of its surface; with analytic ones all is "
             "faster."
         )
-    return remarks
+    for number, (piece, throw) in enumerate(zip(cut.throws, throws, strict=True), start=1):
+        # A symmetry of the piece that its throw cannot use.
+        if piece.copied is None and piece.symmetry != throw.symmetry:
+            remarks.append(f"Throw {number}: {throw.remarks[-1]}")
+    return tuple(remarks)

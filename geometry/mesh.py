@@ -589,39 +589,24 @@ def read_mesh(
     elements = number[nodes.astype(np.int64)].reshape(-1, 10)[:, GMSH_TO_SKFEM]
     if len(elements) == 0:
         raise MeshError("gmsh made no tetrahedra for the throw.")
-    facets = {}
-    for name, surface_tags in surfaces.items():
-        parts = [
-            number[gmsh.model.mesh.getElementsByType(9, tag)[1].astype(np.int64)].reshape(-1, 6)[
-                :, :3
-            ]
-            for tag in surface_tags
-        ]
-        facets[name] = np.concatenate(parts) if parts else np.empty((0, 3), dtype=np.int64)
     used, renumbered = np.unique(elements, return_inverse=True)
     order = np.full(len(points), -1, dtype=np.int64)
     order[used] = np.arange(len(used))
     elements = renumbered.reshape(elements.shape)
-    outward = outer_facets(elements)
-    return (
-        points[used],
-        elements,
-        {name: _oriented(order[corners], outward) for name, corners in facets.items()},
-    )
-
-
-def _oriented(
-    facets: NDArray[np.int64], outward: tuple[NDArray[np.int64], NDArray[np.int64]]
-) -> NDArray[np.int64]:
-    """Turn facets outward; gmsh leaves them as their surface happens to lie."""
-    if len(facets) == 0:
-        return facets
-    keys, oriented = outward
-    wanted = facet_keys(facets)
-    place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-    if not np.array_equal(keys[place], wanted):
-        raise MeshError("a named surface has facets that bound no element of the solid.")
-    return oriented[place]
+    keys, outward = outer_facets(elements)
+    facets = {}
+    for name, surface_tags in surfaces.items():
+        parts = [np.empty((0, 3), dtype=np.int64)]
+        for tag in surface_tags:
+            nodes = gmsh.model.mesh.getElementsByType(9, tag)[1].astype(np.int64)
+            parts.append(order[number[nodes].reshape(-1, 6)[:, :3]])
+        # Turned outward: gmsh leaves them as their surface happens to lie.
+        wanted = facet_keys(np.concatenate(parts))
+        place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        if not np.array_equal(keys[place], wanted):
+            raise MeshError("a named surface has facets that bound no element of the solid.")
+        facets[name] = outward[place]
+    return points[used], elements, facets
 
 
 # A six-node triangle (corners 0 1 2, edge middles 3 4 5 on 01 12 02) as four flat ones.

@@ -134,6 +134,21 @@ class Drilling:
         place = self.place + along
         return replace(self, angle=self.angle + angle, place=place, axis=axis, bore_axis=bore_axis)
 
+    def is_like(self, other: "Drilling") -> bool:
+        """Whether another hole is the same one to round-off."""
+        mine, its = ((h.radius, h.exit_radius, len(h.exits)) for h in (self, other))
+        if not np.allclose(mine, its, rtol=1e-9, atol=0.0):
+            return False
+        size = self.journal_radius
+        return all(
+            any(
+                np.allclose(near.point, far.point, rtol=0.0, atol=1e-9 * size)
+                and np.allclose(near.direction, far.direction, rtol=0.0, atol=1e-9)
+                for far in other.exits
+            )
+            for near in self.exits
+        )
+
 
 @dataclass(frozen=True)
 class DrillingExit:
@@ -273,22 +288,7 @@ class DrillingExit:
 def alike(first: tuple[Drilling, ...], second: tuple[Drilling, ...]) -> bool:
     """Whether oil holes are the same ones to round-off, in any order."""
     return len(first) == len(second) and all(
-        any(_same(hole, other) for other in second) for hole in first
-    )
-
-
-def _same(hole: Drilling, other: Drilling) -> bool:
-    mine, its = ((h.radius, h.exit_radius, len(h.exits)) for h in (hole, other))
-    if not np.allclose(mine, its, rtol=1e-9, atol=0.0):
-        return False
-    size = hole.journal_radius
-    return all(
-        any(
-            np.allclose(near.point, far.point, rtol=0.0, atol=1e-9 * size)
-            and np.allclose(near.direction, far.direction, rtol=0.0, atol=1e-9)
-            for far in other.exits
-        )
-        for near in hole.exits
+        any(hole.is_like(other) for other in second) for hole in first
     )
 
 

@@ -205,9 +205,15 @@ def journals_of(rounds: Sequence[Round], pins: Sequence[Round], near: float) -> 
         beside = (alike or side)[:1]
         if not beside:
             return Journals((), ())
-        # An oil groove divides a journal.
-        same = [item for item in side if abs(item.radius - beside[0].radius) < near]
-        ends.append(_journal([*beside, *_adjoining(beside[0], same, near)], near))
+        # An oil groove divides a journal: what is beyond a narrow one belongs to it.
+        journal = beside[0]
+        gap = max(0.25 * journal.radius, near)
+        for item in side:
+            apart = min(abs(item.low - journal.high), abs(journal.low - item.high))
+            alike_radius = abs(item.radius - journal.radius) < near
+            if item is not journal and alike_radius and apart < gap:
+                beside.append(item)
+        ends.append(_journal(beside, near))
     return Journals((ends[0], *inner, ends[1]), tuple(map(tuple, throws)))
 
 
@@ -225,17 +231,6 @@ def _journal(rounds: Sequence[Round], near: float) -> Round:
         tags,
         max(item.deviation for item in parts),
     )
-
-
-def _adjoining(first: Round, others: Sequence[Round], near: float) -> list[Round]:
-    """Parts of a journal beyond a narrow groove."""
-    gap = 0.25 * first.radius
-    return [
-        item
-        for item in others
-        if item is not first
-        and min(abs(item.low - first.high), abs(first.low - item.high)) < max(gap, near)
-    ]
 
 
 def usual_cuts(mains: Sequence[Round], reaches: Sequence[tuple[float, float]]) -> list[float]:

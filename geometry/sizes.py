@@ -316,8 +316,18 @@ def set_sizes(gmsh: Any, parts: ThrowParts, plan: SizePlan, last: float) -> None
         cylinder = parts.cylinders[number]
         if place in (BORE, ROUND):
             fields.append(_beside_cylinder(gmsh, *_surface(cylinder, place), zone.size, plan.bulk))
-        elif (cylinder.start if place == "start" else cylinder.end) < last:
-            fields.append(_beside_fillet(gmsh, cylinder, zone, plan.bulk))
+            continue
+        if place == "start":
+            fillet, end, inward = cylinder.start_fillet, cylinder.start, 1.0
+        else:
+            fillet, end, inward = cylinder.end_fillet, cylinder.end, -1.0
+        if end < last:
+            # From a fillet, or a sharp corner; off is where the fillet's middle lies off cylinder and web.
+            off = (1.0 - math.sqrt(0.5)) * fillet
+            along = f"z-({end + inward * off!r})"
+            formula = f"Sqrt(({_radius(cylinder.axis)}-{cylinder.radius + off!r})^2+({along})^2)"
+            distance = _formula(gmsh, formula)
+            fields.append(_growing(gmsh, distance, zone.size, plan.bulk, NEAR_FILLET * fillet))
     _set_least(gmsh, fields)
 
 
@@ -421,18 +431,6 @@ def _beside_cylinder(
     beyond = f"0.5*(Abs(z-({middle!r}))-{half!r}+Abs(Abs(z-({middle!r}))-{half!r}))"
     formula = f"Sqrt(({_radius(axis)}-{radius!r})^2+({beyond})^2)"
     return _growing(gmsh, _formula(gmsh, formula), size, bulk)
-
-
-def _beside_fillet(gmsh: Any, cylinder: Cylinder, zone: SizeZone, bulk: float) -> int:
-    """Let elements grow from a fillet or a sharp corner at an end of a cylinder."""
-    if zone.zone[1] == "start":
-        fillet, end, inward = cylinder.start_fillet, cylinder.start, 1.0
-    else:
-        fillet, end, inward = cylinder.end_fillet, cylinder.end, -1.0
-    off = (1.0 - math.sqrt(0.5)) * fillet  # where the fillet's middle lies off cylinder and web
-    along = f"z-({end + inward * off!r})"
-    formula = f"Sqrt(({_radius(cylinder.axis)}-{cylinder.radius + off!r})^2+({along})^2)"
-    return _growing(gmsh, _formula(gmsh, formula), zone.size, bulk, NEAR_FILLET * fillet)
 
 
 def _radius(axis: tuple[float, float]) -> str:

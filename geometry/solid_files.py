@@ -143,6 +143,13 @@ SURFACE_ENDINGS = {".stl": "surface only"}
 MESH_ENDINGS = SOLID_ENDINGS | SURFACE_ENDINGS
 LISTED_ENDINGS = ", ".join(f"{ending} ({reader})" for ending, reader in MESH_ENDINGS.items())
 VOLUME = "throw"
+# Of an .inp file, with the surfaces' names.
+INP_HEAD = """\
+** Mesh of a crank throw, written by crankfem; lengths in m. For CalculiX and Abaqus: add
+** material, supports and loads, or include this file in a deck with *INCLUDE, INPUT=...
+** z along the shaft, from the center of the left end section; y to the first pin's axis.
+** Elements THROW; sets of nodes, and surfaces of element faces: {}.
+"""
 
 
 def write_mesh(
@@ -190,8 +197,9 @@ def write_mesh(
             )
     with write_errors(path), atomic_file(path, "mesh") as part:
         if ending == ".inp":
-            lines = "".join(f"{line}\n" for line in (*_inp_head(mesh), *inp_lines(mesh)))
-            part.write_text(lines, encoding="ascii")
+            head = INP_HEAD.format(", ".join(map(set_name, surface_triangles(mesh))))
+            lines = "".join(f"{line}\n" for line in inp_lines(mesh))
+            part.write_text(head + lines, encoding="ascii")
         elif ending == ".vtu":
             surfaces = surface_triangles(mesh)
             meshio_mesh(mesh.points, mesh.elements, surfaces, point_data or {}).write(part)
@@ -216,14 +224,6 @@ def check_ending(path: Path) -> str:
             f"{path.name}: given the ending {path.suffix!r}; allowed for a mesh are {LISTED_ENDINGS}."
         )
     return ending
-
-
-def _inp_head(mesh: ThrowMesh) -> Iterator[str]:
-    names = ", ".join(map(set_name, surface_triangles(mesh)))
-    yield "** Mesh of a crank throw, written by crankfem; lengths in m. For CalculiX and Abaqus: add"
-    yield "** material, supports and loads, or include this file in a deck with *INCLUDE, INPUT=..."
-    yield "** z along the shaft, from the center of the left end section; y to the first pin's axis."
-    yield f"** Elements THROW; sets of nodes, and surfaces of element faces: {names}."
 
 
 def _stl_lines(mesh: ThrowMesh) -> Iterator[str]:

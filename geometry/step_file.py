@@ -121,7 +121,18 @@ def read_step(content: bytes, source: str) -> StepFile:
             "only surfaces, curves or facets."
         )
     try:
-        unit = _file_unit(entities, source)
+        units: dict[float, None] = {}
+        for number in entities.with_text("GLOBAL_UNIT_ASSIGNED_CONTEXT"):
+            for place in entities.read(number)["GLOBAL_UNIT_ASSIGNED_CONTEXT"][0]:
+                if "LENGTH_UNIT" in entities.read(place):
+                    units[_unit(entities, place, source)] = None
+        if len(units) != 1:
+            how_many = "no unit" if not units else f"{len(units)} different units"
+            raise InputError(
+                f"{source}: given a STEP file with {how_many} of length; allowed is a whole file with one "
+                "unit."
+            )
+        (unit,) = units
         faces = []
         for number in entities.of_kind(*FACES):
             name, bounds, surface_number, _ = next(iter(entities.read(number).values()))
@@ -218,42 +229,22 @@ def _values(tokens: list[str], place: int) -> tuple[list[Any], int]:
                 values[-1] = (str(values[-1]), inner)
             else:
                 values.append(inner)
+        elif token[0] == "'":
+            # Lines may break anywhere, also within a string, where the break means nothing.
+            values.append(decode_string(re.sub(r"[\r\n]", "", token[1:-1])))
+        elif token[0] == "#":
+            values.append(Reference(token[1:]))
+        elif token[0].isdigit() or token[0] in "+-":
+            values.append(float(token))
+        elif token[0].isalpha() or token[0] == "!":
+            values.append(_Keyword(token.upper()))
         elif token != ",":
-            values.append(_value(token))
+            values.append(token.upper())
     return values, place
 
 
 class _Keyword(str):
     """A type's name, whose arguments follow."""
-
-
-def _value(token: str) -> Any:
-    first = token[0]
-    if first == "'":
-        # Lines may break anywhere, also within a string, where the break means nothing.
-        return decode_string(re.sub(r"[\r\n]", "", token[1:-1]))
-    if first == "#":
-        return Reference(token[1:])
-    if first.isdigit() or first in "+-":
-        return float(token)
-    if first.isalpha() or first == "!":
-        return _Keyword(token.upper())
-    return token.upper()
-
-
-def _file_unit(entities: _Entities, source: str) -> float:
-    """The unit of length of the file's shapes [m]."""
-    units: dict[float, None] = {}
-    for number in entities.with_text("GLOBAL_UNIT_ASSIGNED_CONTEXT"):
-        for unit in entities.read(number)["GLOBAL_UNIT_ASSIGNED_CONTEXT"][0]:
-            if "LENGTH_UNIT" in entities.read(unit):
-                units[_unit(entities, unit, source)] = None
-    if len(units) != 1:
-        units_text = "no unit of length" if not units else f"{len(units)} different units of length"
-        raise InputError(
-            f"{source}: given a STEP file with {units_text}; allowed is a whole file with one unit."
-        )
-    return next(iter(units))
 
 
 def _unit(entities: _Entities, number: int, source: str) -> float:

@@ -81,7 +81,11 @@ def part_of_solid(
         # Those before are kept: gmsh would number faces that no plane divides like others.
         _, images = occ.fragment(before, planes, removeObject=False, removeTool=False)
         pieces = [piece for dimension, piece in images[0] if dimension == 3]
-        wanted = [piece for piece in pieces if _kept(occ.getCenterOfMass(3, piece), part, length)]
+        wanted = []
+        for piece in pieces:
+            x, _, z = occ.getCenterOfMass(3, piece)
+            if x > 0.0 and (part == "half" or z < length / 2.0):
+                wanted.append(piece)
         if len(wanted) != 1:
             raise MeshError(f"planes of symmetry leave {len(wanted)} pieces of the throw.")
         others = {tag, *pieces} - {*wanted}
@@ -96,7 +100,17 @@ def part_of_solid(
             old: [new for _, new in image if (old[0], new) in here]
             for old, image in zip(before, images, strict=False)
         }
-    _check_mirrored(solid, whole, part, length)
+    mirrored = solid_mass_properties(solid, part, length, 1.0)
+    uncut = solid_mass_properties(whole, "full", length, 1.0)
+    off = (
+        abs(mirrored.mass / uncut.mass - 1.0),
+        float(np.abs(mirrored.center - uncut.center).max()) / length,
+        float(np.abs(mirrored.inertia - uncut.inertia).max()) / (uncut.mass * length**2),
+    )
+    if max(off) > MIRRORED:
+        raise MeshError(
+            f"a {part} of the throw, mirrored, differs from the whole by {max(off):.2g} of its mass."
+        )
 
     def renamed(dimension: int, named: Named[Key]) -> dict[Key, list[int]]:
         every = {
@@ -137,23 +151,3 @@ def _plane(
     if turned is not None:
         occ.rotate([plane], 0.0, 0.0, 0.0, *turned, math.pi / 2.0)
     return plane
-
-
-def _kept(center: Sequence[float], part: str, length: float) -> bool:
-    return center[0] > 0.0 and (part == "half" or center[2] < length / 2.0)
-
-
-def _check_mirrored(
-    solid: SolidProperties, whole: SolidProperties, part: str, length: float
-) -> None:
-    made = solid_mass_properties(solid, part, length, 1.0)
-    all_of_it = solid_mass_properties(whole, "full", length, 1.0)
-    off = (
-        abs(made.mass / all_of_it.mass - 1.0),
-        float(np.abs(made.center - all_of_it.center).max()) / length,
-        float(np.abs(made.inertia - all_of_it.inertia).max()) / (all_of_it.mass * length**2),
-    )
-    if max(off) > MIRRORED:
-        raise MeshError(
-            f"a {part} of the throw, mirrored, differs from the whole by {max(off):.2g} of its mass."
-        )

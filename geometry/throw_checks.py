@@ -86,21 +86,40 @@ def check_drillings(parts: ThrowParts) -> None:
     """
     for hole in parts.drillings:
         journal = next(cylinder for cylinder in parts.cylinders if cylinder.name == hole.journal)
-        _check_diameter(hole, journal)
-        _check_exit_radius(hole)
+        _check_sizes(hole, journal)
         if hole.bore_radius > 0.0:
             _check_run_into_bore(hole, journal)
         _check_place(parts, hole, journal)
     for first, second in combinations(parts.drillings, 2):
-        if first.journal == second.journal:
-            _check_apart(first, second)
+        if first.journal != second.journal:
+            continue
+        # Holes must not meet each other, nor their exits.
+        wall = WALL_BESIDE_HOLE * 2.0 * min(first.radius, second.radius)
+        between = min(
+            _distance(part, other) - first.radius - second.radius
+            for part in _stretches(first)
+            for other in _stretches(second)
+        )
+        exits = min(
+            float(np.linalg.norm(part[:, None] - other[None], axis=2).min())
+            for part in _rims(first)
+            for other in _rims(second)
+        )
+        if min(between, exits) < wall:
+            what = "runs into" if between < wall else "comes out into the exit of"
+            raise InputError(
+                f"throw.oil_holes[{second.number - 1}]: given so that it {what} "
+                f"oil_holes[{first.number - 1}]; allowed are holes that leave {in_mm(wall)} between them, "
+                "because each is calculated separately."
+            )
 
 
 def _field(hole: Drilling, name: str) -> str:
     return f"oil_holes[{hole.number - 1}].{name}"
 
 
-def _check_diameter(hole: Drilling, journal: Cylinder) -> None:
+def _check_sizes(hole: Drilling, journal: Cylinder) -> None:
+    """A hole's diameter and the radius of its exit are in proportion to its journal."""
     diameter, outside = 2.0 * hole.radius, 2.0 * hole.journal_radius
     low, high = SMALLEST_HOLE * outside, LARGEST_HOLE * outside
     if not low * (1.0 - 1e-12) <= diameter <= high * (1.0 + 1e-12):
@@ -115,9 +134,6 @@ def _check_diameter(hole: Drilling, journal: Cylinder) -> None:
             f"{in_mm(low)} to {in_mm(high)} in the {label(journal)} of {in_mm(outside)}",
             f"because {reason}",
         )
-
-
-def _check_exit_radius(hole: Drilling) -> None:
     radius, low = hole.exit_radius, SMALLEST_EXIT * 2.0 * hole.radius
     room = (WIDEST_EXIT * hole.journal_radius - hole.radius) / (1.0 + WIDEST_EXIT)
     high = min(2.0 * hole.radius, room)
@@ -208,27 +224,6 @@ def _check_place(parts: ThrowParts, hole: Drilling, journal: Cylinder) -> None:
     raise dimension_error(
         _field(hole, "position"), position, f"{in_mm(low)} to {in_mm(high)}", reason
     )
-
-
-def _check_apart(first: Drilling, second: Drilling) -> None:
-    """Holes must not meet each other, nor their exits."""
-    wall = WALL_BESIDE_HOLE * 2.0 * min(first.radius, second.radius)
-    between = min(
-        _distance(part, other) - first.radius - second.radius
-        for part in _stretches(first)
-        for other in _stretches(second)
-    )
-    exits = min(
-        float(np.linalg.norm(part[:, None] - other[None], axis=2).min())
-        for part in _rims(first)
-        for other in _rims(second)
-    )
-    if min(between, exits) < wall:
-        what = "runs into" if between < wall else "comes out into the exit of"
-        raise InputError(
-            f"throw.oil_holes[{second.number - 1}]: given so that it {what} oil_holes[{first.number - 1}]; "
-            f"allowed are holes that leave {in_mm(wall)} between them, because each is calculated separately."
-        )
 
 
 def _rims(hole: Drilling) -> list[Array]:

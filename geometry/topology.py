@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from geometry.boundary_motion import bounding_surfaces
-from geometry.parts import Arc, Cylinder, Line, Point, Sector, ThrowParts, WebPlate
+from geometry.parts import Arc, Cylinder, Line, Point, Sector, WebPlate
 from geometry.throw import CrankThrow
 
 # Lengths that differ by less than this share of the throw's length coincide.
@@ -23,10 +23,6 @@ Circle = tuple[float, float]  # height of its center, and its radius
 def topology(throw: CrankThrow) -> str:
     """Return a description of a throw's topology: throws with the same one have the same faces and edges."""
     parts = throw.parts
-    return repr((throw.symmetry, tuple(bounding_surfaces(parts, throw.symmetry)), _order(parts)))
-
-
-def _order(parts: ThrowParts) -> list[object]:
     least = COINCIDENT * parts.length
     order: list[object] = [
         (hole.journal, hole.through, hole.crosses_bore, hole.exit_radius > 0.0)
@@ -49,7 +45,7 @@ def _order(parts: ThrowParts) -> list[object]:
             ]
         if web.sector:
             order += _with_sector(web, web.sector, beside, least)
-    return order
+    return repr((throw.symmetry, tuple(bounding_surfaces(parts, throw.symmetry)), order))
 
 
 def _across(web: WebPlate, circles: dict[str, Circle], height: float, least: float) -> list[object]:

@@ -426,7 +426,18 @@ def plot_mesh(
     )
     low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
     margin = 0.04 * float(np.max(high - low))
-    _draw_frame(axes, frame, low - margin, float(high[0] - low[0]))
+    # The throw's directions x, y, z in a corner.
+    corner, width = low - margin, float(high[0] - low[0])
+    for name, direction in zip("xyz", frame.T, strict=True):
+        tip = corner + ARROW * width * direction[:2]
+        text = corner + 1.25 * ARROW * width * direction[:2]
+        axes.annotate(
+            "",
+            xy=(float(tip[0]), float(tip[1])),
+            xytext=(float(corner[0]), float(corner[1])),
+            arrowprops={"arrowstyle": "-|>", "color": GRAY, "linewidth": 1.0, "shrinkB": 0.0},
+        )
+        axes.text(float(text[0]), float(text[1]), name, ha="center", va="center", fontsize=9)
     axes.set_xlim(low[0] - 4.0 * margin, high[0] + margin)
     axes.set_ylim(low[1] - 4.0 * margin, high[1] + margin)
     axes.set_aspect("equal")
@@ -460,17 +471,3 @@ def view_frame(eye: Array) -> Array:
     towards = eye / np.linalg.norm(eye)
     right = right / np.linalg.norm(right)
     return np.array([right, np.cross(towards, right), towards])
-
-
-def _draw_frame(axes: Axes, frame: Array, corner: Array, width: float) -> None:
-    """Draw the throw's directions x, y, z in a corner."""
-    for name, direction in zip("xyz", frame.T, strict=True):
-        tip = corner + ARROW * width * direction[:2]
-        axes.annotate(
-            "",
-            xy=(float(tip[0]), float(tip[1])),
-            xytext=(float(corner[0]), float(corner[1])),
-            arrowprops={"arrowstyle": "-|>", "color": GRAY, "linewidth": 1.0, "shrinkB": 0.0},
-        )
-        text = corner + 1.25 * ARROW * width * direction[:2]
-        axes.text(float(text[0]), float(text[1]), name, ha="center", va="center", fontsize=9)

@@ -296,10 +296,19 @@ def _dimension_lengths(view: View, parts: ThrowParts, webs: Sequence[WebPlate]) 
                 feet.append(Linear((start, low[0]), (end, low[1]), text))
     view.stack(tips, 0, 1)
     view.stack(feet, 0, -1)
-    for side in (1, -1):
-        view.stack(
-            [dimension for web in webs for dimension in _weight_thickness(view, web, side)], 0, side
-        )
+    # Of counterweights above (1) and below (-1), where they are not as thick as their webs.
+    weights: dict[int, list[Linear]] = {1: [], -1: []}
+    for web in webs:
+        sector = web.sector
+        if sector is None or (sector.start, sector.end) == (web.start, web.end):
+            continue
+        side = 1 if web.direction[1] < 0.0 else -1
+        rim = weight_outline(web, sector)[:, 1]
+        edge = float(rim.max() if side > 0 else rim.min())
+        text = view.label(millimeters(sector.end - sector.start), "counterweight.thickness")
+        weights[side].append(Linear((sector.start, edge), (sector.end, edge), text))
+    for side, dimensions in weights.items():
+        view.stack(dimensions, 0, side)
 
     chain = []
     cylinders = parts.cylinders
@@ -316,18 +325,6 @@ def _dimension_lengths(view: View, parts: ThrowParts, webs: Sequence[WebPlate]) 
     view.stack([linear(*dimension) for dimension in sorted(chain)], 0, -1)
     whole = view.label(millimeters(parts.length), "cylinder pitch (follows)")
     view.stack([linear(0.0, parts.length, whole)], 0, -1)
-
-
-def _weight_thickness(view: View, web: WebPlate, side: int) -> list[Linear]:
-    """Thickness of a counterweight above (side 1) or below (-1), where it is not the web's."""
-    sector = web.sector
-    pointing = 1 if web.direction[1] < 0.0 else -1
-    if sector is None or pointing != side or (sector.start, sector.end) == (web.start, web.end):
-        return []
-    y = weight_outline(web, sector)[:, 1]
-    edge = float(y.max() if side > 0 else y.min())
-    text = view.label(millimeters(sector.end - sector.start), "counterweight.thickness")
-    return [Linear((sector.start, edge), (sector.end, edge), text)]
 
 
 Weight = tuple[WebPlate, Sector, str]
