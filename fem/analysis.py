@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
-from crankbase.array_checks import Array
 from crankbase.choices import check_choice, check_kind
 from crankbase.errors import InputError
 from crankbase.frames import Axes
@@ -882,24 +881,20 @@ def refined_sizes(mesh: ThrowMesh, errors: EnergyErrors, target: float) -> SizeM
 
     # The mean at the corners; the smallest would refine two layers for one element.
     nodal = sizes_at_corners(mesh.points, corners, wished)
-    graded = _limit_size_growth(nodal.points, nodal.tetrahedra, nodal.sizes)
+    # From where they are small, sizes grow no faster than meshers can follow.
+    pairs = np.array([(i, j) for i in range(4) for j in range(4) if i != j])
+    start = nodal.tetrahedra[:, pairs[:, 0]].ravel()
+    stop = nodal.tetrahedra[:, pairs[:, 1]].ravel()
+    lengths = np.linalg.norm(nodal.points[start] - nodal.points[stop], axis=1)
+    graded = nodal.sizes.copy()
+    for _ in range(100):
+        before = graded.copy()
+        np.minimum.at(graded, stop, graded[start] + GROWTH * lengths)
+        if np.array_equal(before, graded):
+            break
     # Sizes of few digits: rounding in the solution must not become another mesh.
     steps = np.round(np.log(graded / mesh.length) / SIZE_STEP)
     return replace(nodal, sizes=mesh.length * np.exp(SIZE_STEP * steps))
-
-
-def _limit_size_growth(points: Array, tetrahedra: NDArray[np.int64], sizes: Array) -> Array:
-    """Limit how fast sizes grow from where they are small."""
-    pairs = np.array([(i, j) for i in range(4) for j in range(4) if i != j])
-    start, stop = tetrahedra[:, pairs[:, 0]].ravel(), tetrahedra[:, pairs[:, 1]].ravel()
-    lengths = np.linalg.norm(points[start] - points[stop], axis=1)
-    sizes = sizes.copy()
-    for _ in range(100):
-        before = sizes.copy()
-        np.minimum.at(sizes, stop, sizes[start] + GROWTH * lengths)
-        if np.array_equal(before, sizes):
-            break
-    return sizes
 
 
 # Recovered stresses miss some of the error, most beside surfaces; the estimate is theirs times this

@@ -511,6 +511,25 @@ class LoadedThrow:
             for image, total in zip(images, totals, strict=True)
         ]
 
+    def single_stresses(self, node: int, load: int) -> Array:
+        """Stress (e, 6) at a corner node of the whole throw by each element round it."""
+        mesh, whole = self.mesh, self.whole
+        _, gradients = shapes_at_nodes()
+        singles = []
+        for image, numbers in zip(whole.images, whole.numbers, strict=True):
+            element, corner = np.nonzero(
+                np.isin(mesh.elements[:, :4], np.flatnonzero(numbers == node))
+            )
+            stress = stresses_at(
+                image.points(mesh.points),
+                mesh.elements[element],
+                self.displacement(image, slice(load, load + 1))[..., 0],
+                self.material,
+                gradients,
+            )
+            singles.append(stress[np.arange(len(element)), corner])
+        return np.concatenate(singles)
+
 
 def solve_unit_loads(
     mesh: ThrowMesh,
@@ -742,30 +761,12 @@ def reading_quality(loaded: LoadedThrow, node: int, load: int, *, shear: bool) -
     # The node itself if it is a corner, else the ends of the edge that it halves.
     places = [place] if place < 4 else EDGES[place - 4]
     for corner in whole.numbers[image, mesh.elements[element, places]]:
-        every = _single_stresses(loaded, corner, load)
+        every = loaded.single_stresses(corner, load)
         mean = every.mean(axis=0)
         sizes = np.abs(principal_stresses(mean))
         shares.append(sizes.min() / sizes.max())
         spreads.append(np.abs(measure(every) - measure(mean)).max() / measure(mean))
     return ReadingQuality(float(max(shares)), float(max(spreads)))
-
-
-def _single_stresses(loaded: LoadedThrow, node: int, load: int) -> Array:
-    """Stress (e, 6) at a corner node of the whole throw by each element round it."""
-    mesh, whole = loaded.mesh, loaded.whole
-    _, gradients = shapes_at_nodes()
-    singles = []
-    for image, numbers in zip(whole.images, whole.numbers, strict=True):
-        element, corner = np.nonzero(np.isin(mesh.elements[:, :4], np.flatnonzero(numbers == node)))
-        stress = stresses_at(
-            image.points(mesh.points),
-            mesh.elements[element],
-            loaded.displacement(image, slice(load, load + 1))[..., 0],
-            loaded.material,
-            gradients,
-        )
-        singles.append(stress[np.arange(len(element)), corner])
-    return np.concatenate(singles)
 
 
 def _in_web(web: WebPlate, points: Array) -> Flags:

@@ -81,7 +81,6 @@ from fem.superelement import EndSections
 from fem.symmetry import mirror_images, radial_directions
 from fem.wished_accuracy import STRESS_ACCURACY
 from geometry.any_throw import Throw
-from geometry.mesh import ThrowMesh
 from geometry.mesher import Mesher, mesh_isolated
 from geometry.parts import Cylinder, DrillingExit, ThrowParts, WebPlate
 from geometry.sizes import SizeMap
@@ -294,7 +293,13 @@ def fillet_stresses(
         loaded = solve_unit_loads(meshed, loads, material, solver, end_sections)
         return _FilletRefinementLevel.judged(loaded, sites, fineness)
 
-    level = solved(*_first_sizes(usual, sites))
+    # First a mesh that is a little finer than usual at all sites.
+    points = fillet_points(usual)
+    places = [points[site.holds(points)] for site in sites]
+    sizes, fineness = _sizes_within_budget(measured_sizes(usual), sites, places, COARSE)
+    if fineness < COARSEST:
+        raise _too_small(sites)
+    level = solved(sizes, fineness)
     errors = np.full((len(sites), len(loads)), np.inf)
     wanted = max(RULE_FINE if webs else FINE, (1.0 + 1e-9) * SCATTER / accuracy)
     for _ in range((MOST_RULE_MESHES if webs else MOST_MESHES) - 1):
@@ -307,8 +312,12 @@ def fillet_stresses(
         if fineness < LEAST_REFINEMENT * level.fineness:
             break
         coarse, level = level, solved(sizes, fineness)
-        # What was settled before is not meshed more finely now.
-        errors = np.where(unsettled, _errors(coarse, level), errors)
+        # Relative errors of the largest stresses; what was settled before is not meshed more finely now.
+        change = np.abs(level.largest - coarse.largest) / level.largest
+        ratio = level.fineness / coarse.fineness
+        estimate = SAFETY * change.max(axis=0) / (ratio**ORDER - 1.0)
+        estimate = np.maximum(estimate, SCATTER / level.fineness)
+        errors = np.where(unsettled, estimate, errors)
         wanted = REFINEMENT * fineness
     if not np.all(np.isfinite(errors)):
         raise _too_small(sites)
@@ -457,24 +466,6 @@ class _FilletRefinementLevel:
             "von_mises_place": self._place(nodes[second]),
             "error_estimate": float(errors[number, column]),
         }
-
-
-def _errors(coarse: _FilletRefinementLevel, fine: _FilletRefinementLevel) -> Array:
-    """Estimated relative errors (sites, k) of the largest stresses."""
-    change = np.abs(fine.largest - coarse.largest) / fine.largest
-    ratio = fine.fineness / coarse.fineness
-    estimate = SAFETY * change.max(axis=0) / (ratio**ORDER - 1.0)
-    return np.asarray(np.maximum(estimate, SCATTER / fine.fineness))
-
-
-def _first_sizes(usual: ThrowMesh, sites: Sequence[Site]) -> tuple[SizeMap, float]:
-    """Sizes of a mesh that is a little finer than usual at all sites, and how fine it is there."""
-    points = fillet_points(usual)
-    places = [points[site.holds(points)] for site in sites]
-    sizes, fineness = _sizes_within_budget(measured_sizes(usual), sites, places, COARSE)
-    if fineness < COARSEST:
-        raise _too_small(sites)
-    return sizes, fineness
 
 
 def _sizes_within_budget(

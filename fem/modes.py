@@ -287,6 +287,24 @@ class ClassProblem:
         shapes = self.displacement(vectors * np.sign(largest) / np.sqrt(self.symmetry.copies))
         return ClassModes(self.symmetry, squares, shapes, residuals, self.factors.solver)
 
+    def corrections(self, natural: Array, forces: Array) -> tuple[Array, Array]:
+        """Static responses (f, c) to forces, orthogonal to natural modes and each other, and their w^2."""
+        if not forces.shape[1]:
+            return np.zeros(0), forces
+        copies = self.symmetry.copies
+        answers = self.factors.solve(forces)
+        masses = copies * np.sum(answers * symmetric_product(self.mass, answers), axis=0)
+        answers = answers / np.sqrt(masses)
+        for _ in range(2):  # once leaves rounding of the size of the natural modes' large shares
+            answers -= natural @ (copies * natural.T @ symmetric_product(self.mass, answers))
+        mass = copies * answers.T @ symmetric_product(self.mass, answers)
+        sizes, directions = eigh(mass)
+        independent = sizes > INDEPENDENT
+        answers = answers @ (directions[:, independent] / np.sqrt(sizes[independent]))
+        stiffness = copies * answers.T @ symmetric_product(self.stiffness, answers)
+        squares, directions = eigh(stiffness)
+        return squares, answers @ directions
+
 
 @contextmanager
 def class_problem(
@@ -631,25 +649,6 @@ class FixedInterfaceShapes:
     pin_loads: Array
 
 
-def _corrections(problem: ClassProblem, natural: Array, forces: Array) -> tuple[Array, Array]:
-    """Static responses (f, c) to forces, orthogonal to natural modes and each other, and their w^2."""
-    if not forces.shape[1]:
-        return np.zeros(0), forces
-    copies = problem.symmetry.copies
-    answers = problem.factors.solve(forces)
-    masses = copies * np.sum(answers * symmetric_product(problem.mass, answers), axis=0)
-    answers = answers / np.sqrt(masses)
-    for _ in range(2):  # once leaves rounding of the size of the natural modes' large shares
-        answers -= natural @ (copies * natural.T @ symmetric_product(problem.mass, answers))
-    mass = copies * answers.T @ symmetric_product(problem.mass, answers)
-    sizes, directions = eigh(mass)
-    independent = sizes > INDEPENDENT
-    answers = answers @ (directions[:, independent] / np.sqrt(sizes[independent]))
-    stiffness = copies * answers.T @ symmetric_product(problem.stiffness, answers)
-    squares, directions = eigh(stiffness)
-    return squares, answers @ directions
-
-
 def shapes_of_class(
     problem: ClassProblem,
     part: CondensedClass,
@@ -685,7 +684,7 @@ def shapes_of_class(
     modes = problem.up_to(cutoff)
     kept = modes.part(slice(0, int(np.count_nonzero(modes.frequencies <= cutoff))))
     natural = kept.shapes.reshape(3 * problem.nodes, -1)[problem.free]
-    correction_squares, answers = _corrections(problem, natural, forces[problem.free])
+    correction_squares, answers = problem.corrections(natural, forces[problem.free])
     squares = np.concatenate([kept.squares, correction_squares])
     shapes = problem.displacement(np.hstack([natural, answers])).reshape(3 * problem.nodes, -1)
     copies = part.symmetry.copies

@@ -232,8 +232,9 @@ def evaluate_throw(
             classes,
             joined=True,
             corrected=False,
-            paths=slopes,
-            motion=reference.motion_at(throw, moved.tier, slopes) if reference and moved else None,
+            moving=reference.motion_at(throw, moved.tier, slopes)
+            if reference and moved
+            else slopes,
         )
         by_path = {}
         for path, change in changes.items():
@@ -261,13 +262,19 @@ def evaluate_throw(
             parts = [slope_bars[name] for name in _reaction_of(support)]
             slope_bars[f"axial_reaction_{support}"] = math.hypot(*parts)
         slope_bars["mass"] = VOLUME_ERROR
+    uncorrected = {}
+    if moved:
+        uncorrected = {**plain, "mass": mass}
+        for support in SUPPORTS:
+            influence, axial = (plain[name] for name in _reaction_of(support))
+            uncorrected[f"axial_reaction_{support}"] = influence / axial
     return ThrowResponses(
         {name: answers[name][0] for name in order},
         {name: abs(answers[name][1]) for name in order},
         level.mesh.unknowns,
         {name: of_paths for name, of_paths in shares.items() if of_paths},
         {name: slope_bars[name] for name, of_paths in shares.items() if of_paths},
-        _with_reactions(plain) | {"mass": mass} if moved else {},
+        uncorrected,
         moved,
     )
 
@@ -282,15 +289,6 @@ def _solve_moved(
         return None, None
     level = solve_level(moved.mesh, problem)
     return (None, None) if level.axial_part.discrete is None else (moved, level)
-
-
-def _with_reactions(answers: Mapping[str, float]) -> dict[str, float]:
-    """Add the axial reactions to answers of a superelement."""
-    reactions = {}
-    for support in SUPPORTS:
-        influence, axial = (answers[name] for name in _reaction_of(support))
-        reactions[f"axial_reaction_{support}"] = influence / axial
-    return {**answers, **reactions}
 
 
 def _shares(larger: Mapping[str, float], plain: Mapping[str, float]) -> dict[str, float]:

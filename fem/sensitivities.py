@@ -255,8 +255,7 @@ def dimension_changes(
     *,
     joined: bool,
     corrected: bool,
-    paths: Collection[str] | None = None,
-    motion: NodeMotion | None = None,
+    moving: Collection[str] | NodeMotion | None = None,
 ) -> tuple[dict[str, DimensionChange], dict[str, str]]:
     """Find the change of a throw with its dimensions, and why some have none.
 
@@ -268,18 +267,18 @@ def dimension_changes(
         Whether also with the bending sections of throws that meet, which takes longer.
     corrected : bool
         Whether of the corrected throw, which takes as long as to solve it, or of the mesh's own answers.
-    paths : collection of str, optional
-        Of the dimensions; all by default.
-    motion : NodeMotion, optional
-        Of the mesh where it was moved; by default as smooth as the motion of the surface lets it be.
+    moving : collection of str or NodeMotion, optional
+        Paths of the dimensions, all by default, with which the mesh moves as smoothly as its surface lets
+        it; or the motion of a mesh that was moved.
     """
     solved = check_sloped(throw, classes[0].end_sections)
     parts = [part if joined else part.up_to(RIGID) for part in classes]
     plain = [part.discrete or part for part in parts]
-    surface = boundary_motion(solved, mesh, paths) if motion is None else None
-    if surface is not None:
+    if isinstance(moving, NodeMotion):
+        surface, motion = None, moving
+    else:
+        surface = boundary_motion(solved, mesh, moving)
         motion = NodeMotion({}, surface.beside, surface.left_out)
-    assert motion is not None
     if not (motion.velocities or (surface and surface.speeds)):
         return {}, motion.left_out
     adjoints = error_adjoints(mesh, material, plain) if corrected else None
@@ -287,9 +286,9 @@ def dimension_changes(
     if surface is not None:
         errors = None if adjoints is None else np.sum([each.shares for each in adjoints], axis=0)
         velocities = node_velocities(mesh, surface, classes[0].solver, errors)
-    moving = list(velocities.values())
-    by_class = class_slopes(mesh, material, plain, moving, adjoints)
-    masses = mass_slopes(mesh, moving)
+    motions = list(velocities.values())
+    by_class = class_slopes(mesh, material, plain, motions, adjoints)
+    masses = mass_slopes(mesh, motions)
     axial = [part.symmetry for part in plain].index(axial_class(mesh.part))
     if adjoints is None:
         parts = plain

@@ -329,17 +329,14 @@ def upper_triangle(matrix: sparse.csr_array) -> sparse.csr_array:
 
 def symmetric_product(upper: sparse.csr_array, vectors: Array) -> Array:
     """Multiply a symmetric matrix, given by its upper triangle, with vectors (n,) or (n, k)."""
-    diagonal = _diagonal(upper)
+    count, starts = upper.shape[0], upper.indptr[:-1]
+    # Mostly each row begins with its entry on the diagonal.
+    if np.diff(upper.indptr).all() and np.array_equal(upper.indices[starts], np.arange(count)):
+        diagonal = np.asarray(upper.data[starts])
+    else:
+        diagonal = np.asarray(upper.diagonal())
     scaled = diagonal * vectors if vectors.ndim == 1 else diagonal[:, None] * vectors
     return np.asarray(upper @ vectors + upper.T @ vectors - scaled)
-
-
-def _diagonal(upper: sparse.csr_array) -> Array:
-    """Diagonal of an upper triangle; mostly each row begins with its entry."""
-    count, starts = upper.shape[0], upper.indptr[:-1]
-    if np.diff(upper.indptr).all() and np.array_equal(upper.indices[starts], np.arange(count)):
-        return np.asarray(upper.data[starts])
-    return np.asarray(upper.diagonal())
 
 
 class Stopwatch:
@@ -529,8 +526,17 @@ class SharedSolver:
     def __init__(
         self, solver: str = "auto", watch: Stopwatch | None = None, *, few_sides: bool = True
     ) -> None:
+        check_solver(solver)
         self.watch = Stopwatch() if watch is None else watch
-        self.solver = _choose(solver, self.watch)
+        if solver != "superlu":
+            with self.watch.lap("loading the solver"):
+                installed = _pardiso() is not None
+            if not installed and solver == "pardiso":
+                raise SolveError(
+                    "The solver pardiso is not installed; install it with: pip install pypardiso"
+                )
+            solver = "pardiso" if installed else "superlu"
+        self.solver = solver
         self._pattern: _PardisoPattern | None = None
         self._few_sides = few_sides
 
@@ -622,19 +628,6 @@ def check_solver(solver: str) -> None:
     """Refuse a solver of another name."""
     if solver not in ("auto", *SOLVERS):
         raise InputError(f"solver: given {solver!r}; allowed are auto, {', '.join(SOLVERS)}.")
-
-
-def _choose(solver: str, watch: Stopwatch) -> str:
-    check_solver(solver)
-    if solver == "superlu":
-        return solver
-    with watch.lap("loading the solver"):
-        installed = _pardiso() is not None
-    if not installed and solver == "pardiso":
-        raise SolveError(
-            "The solver pardiso is not installed; install it with: pip install pypardiso"
-        )
-    return "pardiso" if installed else "superlu"
 
 
 @cache

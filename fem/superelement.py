@@ -411,7 +411,14 @@ def _with_averaged_ends(
     the support of the part does not matter, so it is held at as many unknowns as it has rigid
     motions; the right rigid motion is added afterwards.
     """
-    end_loads = _end_loads(mesh, symmetry)
+    # Loads of the class whose work is the mean motions of the meshed end sections.
+    columns = []
+    for section in end_sections(symmetry):
+        unit = unit_end_loads(mesh, section)
+        section_loads = np.zeros((len(mesh.points), 3, len(symmetry.end_unknowns)))
+        section_loads[unit.nodes] = unit.of_class(symmetry)[..., symmetry.end_unknowns]
+        columns.append(section_loads.reshape(3 * len(mesh.points), -1))
+    end_loads = np.hstack(columns)
     # The rigid motions that the class has, about the throw's middle, of similar sizes.
     arms = mesh.points - (0.0, 0.0, 0.5 * mesh.length)
     motions = rigid_motions(arms) / ([1.0] * 3 + [mesh.length] * 3)
@@ -439,17 +446,6 @@ def _with_averaged_ends(
     fields += rigid @ (inverse @ (np.eye(end_loads.shape[1]) - end_loads.T @ fields))
     pin_fields = pin_fields - fields @ (end_loads.T @ pin_fields)
     return fields, pin_fields
-
-
-def _end_loads(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:
-    """Loads (3 n, k) of the class whose work is the mean motions of the meshed end sections."""
-    columns = []
-    for section in end_sections(symmetry):
-        unit = unit_end_loads(mesh, section)
-        loads = np.zeros((len(mesh.points), 3, len(symmetry.end_unknowns)))
-        loads[unit.nodes] = unit.of_class(symmetry)[..., symmetry.end_unknowns]
-        columns.append(loads.reshape(3 * len(mesh.points), -1))
-    return np.hstack(columns)
 
 
 def nodes_on(mesh: ThrowMesh, surface: str) -> Integers:

@@ -171,9 +171,7 @@ def free_motions(ends: Array, support: str) -> Integers:
     return np.flatnonzero(~held & ~rigid)
 
 
-@cache
-def _free_ends(support: str) -> Integers:
-    return free_motions(np.eye(12), support)
+FREE_ENDS = {support: free_motions(np.eye(12), support) for support in HELD}
 
 
 def end_motions(throw: Superelement, support: Support, pin_loads: Array | None = None) -> Array:
@@ -216,7 +214,7 @@ def all_end_motions(throw: Superelement, support: Support, pin_loads: Array | No
             "Neighbors(left_deg, right_deg), because the compliance depends on it severalfold."
         )
     loads = np.column_stack([STRETCH, TWIST, pin_loads[:12]])
-    free = _free_ends(support)
+    free = FREE_ENDS[support]
     motions = np.zeros_like(loads)
     motions[free] = np.linalg.solve(throw.stiffness[np.ix_(free, free)], loads[free])
     return motions

@@ -487,6 +487,15 @@ class LoadedSurface:
         """Return unit forces along x, y, z and unit moments about them, spread over the surface."""
         return NodalLoads(self.nodes, self.images, self.nodal(self.uniform(np.eye(6))))
 
+    def forces_of(self, tractions: list[Array]) -> Array:
+        """Force and moment (6,) of tractions on all images."""
+        total = np.zeros(6)
+        for image, traction in zip(self.images, tractions, strict=True):
+            arms, areas = self.on_image(image)
+            sizes = np.linalg.norm(areas, axis=1)
+            total += np.einsum("q,qaj,qa->j", sizes, rigid_motions(arms), traction)
+        return total
+
 
 @dataclass(frozen=True)
 class NodalLoads:
@@ -587,7 +596,7 @@ def pin_load(
                 strict=True,
             )
         ]
-        rest = surface.uniform(wanted - _resultants(surface, pressures))
+        rest = surface.uniform(wanted - surface.forces_of(pressures))
         tractions = [pressure + other for pressure, other in zip(pressures, rest, strict=True)]
     return NodalLoads(surface.nodes, surface.images, surface.nodal(tractions)[..., None])
 
@@ -643,16 +652,6 @@ def _pressure_patterns(surface: LoadedSurface, direction: Array, *, couple: bool
         pressures.append(-pressed[:, None] * normals)
         total += float(np.sum(sizes * weight * (pressures[-1] @ unit)))
     return [pressure * (size / total) for pressure in pressures]
-
-
-def _resultants(surface: LoadedSurface, tractions: list[Array]) -> Array:
-    """Force and moment (6,) of tractions on all images."""
-    total = np.zeros(6)
-    for image, traction in zip(surface.images, tractions, strict=True):
-        arms, areas = surface.on_image(image)
-        sizes = np.linalg.norm(areas, axis=1)
-        total += np.einsum("q,qaj,qa->j", sizes, rigid_motions(arms), traction)
-    return total
 
 
 def _surface(mesh: ThrowMesh, corners: Integers, images: tuple[MirrorImage, ...]) -> LoadedSurface:
