@@ -56,9 +56,7 @@ def eight_dimensions() -> ComplianceModel:
     x = np.stack([group_named(name).value(designs) for name in GROUPS], axis=-1)
     y = 40.0 * np.exp(0.3 * np.sin(x).sum(axis=1))
     fit = fit_form("log-quadratic", GROUPS, x, y)
-    response = ResponseModel.from_fit(
-        fit, symbol="e_n", unit="m/N", basis="groups", equation="dimensionless"
-    )
+    response = ResponseModel.from_fit(fit, symbol="e_n", unit="m/N", basis="groups")
     return ComplianceModel(
         responses={"axial_compliance": response}, ranges=EIGHT, material=STEEL.model_dump()
     )

@@ -139,28 +139,21 @@ def _symbol_text(label: FactorLabel, logarithmic: bool, logged: bool) -> str:
 
 
 def _sum_text(natural: Mapping[Term, float], names: Sequence[str], digits: int) -> str:
+    """Write "6.1 - 0.0583 B^2 h", or "6.1 - 0.0583 (ln(B/mm))^2 ln(h/mm)"."""
     parts: list[str] = []
     for term, value in natural.items():
         if value == 0.0 and term:
             continue
         sign = "-" if value < 0.0 else "+"
         lead = ("-" if value < 0.0 else "") if not parts else f" {sign} "
-        parts.append(f"{lead}{abs(value):.{digits}g}{_product_text(term, names)}")
-    return "".join(parts)
-
-
-def _product_text(term: Term, names: Sequence[str]) -> str:
-    """Write " B^2 h", or " (ln(B/mm))^2 ln(h/mm)"."""
-    text = ""
-    for number, power in sorted(Counter(term).items()):
-        name = names[number]
-        if power == 1:
+        text = f"{lead}{abs(value):.{digits}g}"
+        for number, power in sorted(Counter(term).items()):
+            name = names[number]
+            if power > 1:
+                name = f"({name})^{power}" if name.startswith("ln(") else f"{name}^{power}"
             text += f" {name}"
-        elif name.startswith("ln("):
-            text += f" ({name})^{power}"
-        else:
-            text += f" {name}^{power}"
-    return text
+        parts.append(text)
+    return "".join(parts)
 
 
 def _units_text(labels: Sequence[FactorLabel]) -> str:

@@ -134,9 +134,7 @@ def fit_form(
         known = values if heldout_y is None else np.append(values, heldout_y)
         kind = replace(kind, logarithmic=bool(np.all(known > 0.0)))
     _check_responses("y", values, kind)
-    log_factors = _log_factors(kind, names, points, logged)
-    center, half_range = _coding(names, points, log_factors)
-    coding = center, half_range, log_factors
+    coding = center, half_range, log_factors = _coding(kind, names, points, logged)
     sizes = np.asarray(scale, dtype=np.float64)
     target = np.log(values / sizes) if kind.logarithmic else values / sizes
     target = joint_target(target, kind.logarithmic, slopes)
@@ -250,28 +248,19 @@ def _rows(
     return rows.with_slopes(slopes.known[:, 0], slopes.directions(coded_slopes))
 
 
-def _log_factors(
-    form: Form, factors: tuple[str, ...], points: Array, logged: Sequence[bool] | None
-) -> tuple[bool, ...]:
-    if not (form.logarithmic or form.process):
-        return (False,) * len(factors)
-    positive = np.all(points > 0.0, axis=0)
-    if logged is None:
-        grouped = form.basis == "groups"
-        logged = [
-            not is_indicator(name) and (not grouped or group_named(name).logged) for name in factors
-        ]
-    return tuple(
-        bool(wanted and can and not is_indicator(name))
-        for name, wanted, can in zip(factors, logged, positive, strict=True)
-    )
-
-
 def _coding(
-    factors: tuple[str, ...], points: Array, log_factors: tuple[bool, ...]
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return centers and half ranges of the runs; each column must vary."""
-    logged = np.asarray(log_factors)
+    form: Form, factors: tuple[str, ...], points: Array, wished: Sequence[bool] | None
+) -> tuple[tuple[float, ...], tuple[float, ...], tuple[bool, ...]]:
+    """Return centers, half ranges and logarithms of the columns, each of which must vary."""
+    logged = np.zeros(len(factors), dtype=bool)
+    if form.logarithmic or form.process:
+        for number, name in enumerate(factors):
+            if is_indicator(name) or not np.all(points[:, number] > 0.0):
+                continue
+            if wished is not None:
+                logged[number] = wished[number]
+            else:
+                logged[number] = form.basis != "groups" or group_named(name).logged
     spread = points.copy()
     spread[:, logged] = np.log(points[:, logged])
     low, high = np.min(spread, axis=0), np.max(spread, axis=0)
@@ -282,7 +271,7 @@ def _coding(
                 f"{name}: given the same value {points[0, number]:g} in all runs; allowed are "
                 "factors that vary, because only they can be fitted."
             )
-    return tuple(center.tolist()), tuple(half_range.tolist())
+    return tuple(center.tolist()), tuple(half_range.tolist()), tuple(logged.tolist())
 
 
 def contradicting_slopes(

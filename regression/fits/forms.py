@@ -93,14 +93,14 @@ def term_name(term: Term, names: Sequence[str], times: str = " * ") -> str:
     """
     if not term:
         return "1"
-    return times.join(
-        names[number] if power == 1 else f"{_base(names[number])}^{power}"
-        for number, power in sorted(Counter(term).items())
-    )
-
-
-def _base(name: str) -> str:
-    return f"({name})" if "/" in name and not name.startswith("ln(") else name
+    powers = []
+    for number, power in sorted(Counter(term).items()):
+        name = names[number]
+        if power > 1:
+            bracket = "/" in name and not name.startswith("ln(")
+            name = f"({name})^{power}" if bracket else f"{name}^{power}"
+        powers.append(name)
+    return times.join(powers)
 
 
 def code(
@@ -639,16 +639,16 @@ def determined_terms(
     `rows` gives the rows of least squares; the columns `sloped` have slopes, so that a level counts twice.
     """
     indicators = [number for number, name in enumerate(factors) if is_indicator(name)]
-    levels = [
-        _level_count(points[:, number]) * (2 if number in sloped else 1)
-        for number in range(len(factors))
-    ]
-    candidates = [
-        term
-        for term in form_terms(form, len(factors), indicators)
+    ordered = np.sort(points, axis=0)
+    steps = np.diff(ordered, axis=0) > _SAME_LEVEL * (ordered[-1] - ordered[0])
+    levels = 1 + np.count_nonzero(steps, axis=0)
+    levels[list(sloped)] *= 2
+    candidates = []
+    for term in form_terms(form, len(factors), indicators):
         # The 0/1 columns of one category are never 1 together.
-        if not _same_category(term, factors)
-    ]
+        categories = [factors[n].partition("=")[0] for n in term if is_indicator(factors[n])]
+        if len(set(categories)) == len(categories):
+            candidates.append(term)
     kept = [
         term
         for term in candidates
@@ -658,17 +658,6 @@ def determined_terms(
     if (form.degree > 2 or sloped) and len(kept) <= len(matrix):
         kept = _independent(kept, matrix)
     return tuple(kept), tuple(term for term in candidates if term not in kept)
-
-
-def _level_count(column: Array) -> int:
-    ordered = np.sort(column)
-    steps = np.diff(ordered) > _SAME_LEVEL * (ordered[-1] - ordered[0])
-    return 1 + int(np.count_nonzero(steps))
-
-
-def _same_category(term: Term, factors: tuple[str, ...]) -> bool:
-    categories = [factors[n].partition("=")[0] for n in term if is_indicator(factors[n])]
-    return len(set(categories)) < len(categories)
 
 
 def _independent(terms: Sequence[Term], columns: Array) -> list[Term]:

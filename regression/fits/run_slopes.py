@@ -5,7 +5,7 @@ errors, a slope never more than a value, because an equation that lacks terms fi
 Slopes that contradict values and other slopes are found by what the sum of squares loses without them.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -174,7 +174,13 @@ def _worst(
     orthogonal, _ = np.linalg.qr(matrix[rows])
     residuals = y[rows] - orthogonal @ (orthogonal.T @ y[rows])
     total, freedom = float(residuals @ residuals), len(rows) - matrix.shape[1]
-    groups = list(_groups(known))
+    # Single slopes, all of a run, all over a factor.
+    groups = list(np.arange(len(known))[:, None])
+    for column in (0, 1):
+        for which in np.unique(known[:, column]):
+            group = np.flatnonzero(known[:, column] == which)
+            if len(group) > 1:
+                groups.append(group)
     least, found = np.log(DOUBT / len(groups)), None
     for group in groups:
         own = orthogonal[values + group]
@@ -190,12 +196,3 @@ def _worst(
         if chance < least:
             least, found = chance, group
     return found
-
-
-def _groups(known: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
-    yield from np.arange(len(known))[:, None]
-    for column in (0, 1):
-        for which in np.unique(known[:, column]):
-            group = np.flatnonzero(known[:, column] == which)
-            if len(group) > 1:
-                yield group

@@ -107,12 +107,13 @@ ANDERSON = AxialFormula(
 # frame with flexible webs, with 0.167 for 1/6. The factor k_3 for built shafts is not published.
 
 
-def _dorey_as_printed(case: ThrowCase) -> float:
-    pin, web = 0.5 + case.gamma_deg / 360.0, 0.167 + case.gamma_deg / 360.0
-    return case.constants["k_3"] * pin * case.pin + web * case.web
-
-
-_DOREY = Reading(_dorey_as_printed, plain_web_remarks)
+_DOREY = Reading(
+    lambda case: (
+        case.constants["k_3"] * (0.5 + case.gamma_deg / 360.0) * case.pin
+        + (0.167 + case.gamma_deg / 360.0) * case.web
+    ),
+    plain_web_remarks,
+)
 
 DOREY = AxialFormula(
     "Dorey",
@@ -140,11 +141,6 @@ SMALLEST_ANGLE_DEG = 75.0
 _AUTHORS = "P. Draminsky, E. Warming, MTZ, 1942, no. 2, pp. 292-301"
 
 
-def _draminsky_first_printed(case: ThrowCase) -> float:
-    """Return (1) with length and inertia of the main journal, as its subscripts are printed."""
-    return case.bent_journal(case.throw.main_journal_bore) + 2.0 / 3.0 * case.web
-
-
 def _draminsky_second_with(case: ThrowCase, pin_divisor: float, web_divisor: float) -> float:
     k = 1.0 + case.cosine
     pin = case.pin_of_length(case.throw.pin_length + 0.33 * case.throw.web_thickness)
@@ -160,13 +156,6 @@ def _draminsky_second_with(case: ThrowCase, pin_divisor: float, web_divisor: flo
 def _draminsky_first_remarks(case: ThrowCase) -> Remarks:
     yield from plain_web_remarks(case)
     yield from no_angle_remarks(case)
-
-
-def _draminsky_first_printed_remarks(case: ThrowCase) -> Remarks:
-    yield from _draminsky_first_remarks(case)
-    yield Remark(
-        "The print names the main journal in the first term, where the bent crankpin belongs."
-    )
 
 
 def _draminsky_second_remarks(case: ThrowCase) -> Remarks:
@@ -187,7 +176,16 @@ DRAMINSKY_1 = AxialFormula(
         "corrected": Reading(
             lambda case: case.pin + 2.0 / 3.0 * case.web, _draminsky_first_remarks
         ),
-        "printed": Reading(_draminsky_first_printed, _draminsky_first_printed_remarks),
+        # With length and inertia of the main journal, as its subscripts are printed.
+        "printed": Reading(
+            lambda case: case.bent_journal(case.throw.main_journal_bore) + 2.0 / 3.0 * case.web,
+            lambda case: [
+                *_draminsky_first_remarks(case),
+                Remark(
+                    "The print names the main journal in the first term, where the bent crankpin belongs."
+                ),
+            ],
+        ),
     },
 )
 DRAMINSKY_2 = AxialFormula(
@@ -222,12 +220,6 @@ FRAME_WEB = 8.0 / 12.0
 def overlapped_thickness(case: ThrowCase) -> float:
     """Return sqrt(h^2 + s^2), the web's thickness h where journal and pin do not overlap [m]."""
     return math.hypot(max(case.throw.overlap, 0.0), case.throw.web_thickness)
-
-
-def _tsniimf_printed(case: ThrowCase) -> float:
-    return FRAME_WEB * case.web_of_thickness(
-        math.sqrt(case.throw.overlap * case.throw.web_thickness)
-    )
 
 
 def _tsniimf_printed_fault(case: ThrowCase) -> str:
@@ -272,7 +264,14 @@ TSNIIMF = AxialFormula(
             lambda case: FRAME_WEB * case.web_of_thickness(overlapped_thickness(case)),
             _tsniimf_remarks,
         ),
-        "printed": Reading(_tsniimf_printed, _tsniimf_printed_remarks, _tsniimf_printed_fault),
+        "printed": Reading(
+            lambda case: (
+                FRAME_WEB
+                * case.web_of_thickness(math.sqrt(case.throw.overlap * case.throw.web_thickness))
+            ),
+            _tsniimf_printed_remarks,
+            _tsniimf_printed_fault,
+        ),
         "plain": Reading(
             lambda case: FRAME_WEB * case.web,
             lambda case: [*_tsniimf_remarks(case), *plain_web_remarks(case)],
@@ -300,16 +299,6 @@ def _free_share(case: ThrowCase) -> float:
     return 1.0 - 0.44 * throw.main_journal_diameter / throw.crank_radius
 
 
-def _guglielmotti_corrected(case: ThrowCase) -> float:
-    web = CORRECTED_WEB * _free_share(case) ** 2 * case.web
-    return case.constants["C"] * (case.pin + web)
-
-
-def _guglielmotti_printed(case: ThrowCase) -> float:
-    web = PRINTED_WEB * _free_share(case) ** 2 * case.web
-    return case.constants["C"] * (case.bent_journal(0.0) + web)
-
-
 def _guglielmotti_remarks(case: ThrowCase) -> Remarks:
     yield from open_angle_factor_remarks(case, "C")
     share = _free_share(case)
@@ -326,23 +315,32 @@ def _guglielmotti_remarks(case: ThrowCase) -> Remarks:
         )
 
 
-def _guglielmotti_printed_remarks(case: ThrowCase) -> Remarks:
-    yield from _guglielmotti_remarks(case)
-    yield from unused_bores_remarks(case)
-    yield Remark(
-        "The print gives the web 42/8 of the compliance of a slender frame, and names the main "
-        "journal in the first term, where the bent crankpin belongs."
-    )
-
-
 GUGLIELMOTTI_MACCHIOTTA = AxialFormula(
     "Guglielmotti-Macchiotta",
     "GM",
     "L. Guglielmotti, R. Macchiotta, in: Marine low-speed turbocharged engines, "
     "ed. N. N. Ivanchenko, Leningrad, 1967",
     {
-        "corrected": Reading(_guglielmotti_corrected, _guglielmotti_remarks),
-        "printed": Reading(_guglielmotti_printed, _guglielmotti_printed_remarks),
+        "corrected": Reading(
+            lambda case: (
+                case.constants["C"] * (case.pin + CORRECTED_WEB * _free_share(case) ** 2 * case.web)
+            ),
+            _guglielmotti_remarks,
+        ),
+        "printed": Reading(
+            lambda case: (
+                case.constants["C"]
+                * (case.bent_journal(0.0) + PRINTED_WEB * _free_share(case) ** 2 * case.web)
+            ),
+            lambda case: [
+                *_guglielmotti_remarks(case),
+                *unused_bores_remarks(case),
+                Remark(
+                    "The print gives the web 42/8 of the compliance of a slender frame, and names the main "
+                    "journal in the first term, where the bent crankpin belongs."
+                ),
+            ],
+        ),
     },
 )
 
@@ -354,13 +352,14 @@ GUGLIELMOTTI_MACCHIOTTA = AxialFormula(
 # neighboring cranks is not published.
 
 
-def _skorchev_as_printed(case: ThrowCase) -> float:
-    factor = 0.175 * case.throw.crank_radius / case.throw.pin_diameter + 0.285
-    return case.constants["k_or"] * (factor * case.web + case.pin)
-
-
 _SKORCHEV = Reading(
-    _skorchev_as_printed,
+    lambda case: (
+        case.constants["k_or"]
+        * (
+            (0.175 * case.throw.crank_radius / case.throw.pin_diameter + 0.285) * case.web
+            + case.pin
+        )
+    ),
     lambda case: [*plain_web_remarks(case), *open_angle_factor_remarks(case, "k_or")],
 )
 

@@ -872,7 +872,16 @@ class LawAnswers:
         every, errors = (
             iter(rows if self.shape else rows[:, 0].tolist()) for rows in (values, widths)
         )
-        nearest = "" if self.shape else _nearest(self.ratios)
+        nearest = ""
+        if not self.shape:
+            # The ratio nearest to an end of its range relative to its width.
+            _, name = min(
+                ((self.ratios[name] - end) * scale, name)
+                for name, end, scale, usual in NEARNESS
+                if self.ratios[name] != usual
+            )
+            low, high = RANGES[name]
+            nearest = f"{ratio_text(name)} = {self.ratios[name]:.3g} of {low:g} to {high:g}"
         results = []
         for kind in kinds:
             fields: dict[str, Any] = {}
@@ -970,17 +979,6 @@ def _given(dimensions: Mapping[str, ArrayLike]) -> dict[str, Any]:
             "together."
         ) from None
     return checked
-
-
-def _nearest(shape: Mapping[str, Any]) -> str:
-    """The ratio nearest to an end of its range relative to its width."""
-    _, name = min(
-        ((shape[name] - end) * scale, name)
-        for name, end, scale, usual in NEARNESS
-        if shape[name] != usual
-    )
-    low, high = RANGES[name]
-    return f"{ratio_text(name)} = {shape[name]:.3g} of {low:g} to {high:g}"
 
 
 def _band(value: Any, error: Any) -> tuple[Any, Any]:

@@ -148,9 +148,16 @@ class CompiledModel:
 
     def __init__(self, model: "ComplianceModel") -> None:
         responses = model.responses
+        ranges = dict(model.ranges)
+        if not ranges:
+            # Those of the equations' columns.
+            for response in responses.values():
+                columns = zip(response.factors, response.lowest, response.highest, strict=True)
+                for name, low, high in columns:
+                    if response.basis == "factors" and IS not in name:
+                        ranges.setdefault(name, (low, high))
         self.family = Family(
-            **{part.name: getattr(model, part.name) for part in fields(Family)}
-            | {"ranges": model.ranges or _column_ranges(responses)}
+            **{part.name: getattr(model, part.name) for part in fields(Family)} | {"ranges": ranges}
         )
         self.bands = {name: error_band(response) for name, response in responses.items()}
         self._throw = model.throw
@@ -181,17 +188,6 @@ class CompiledModel:
         return self._queries[name]
 
 
-def _column_ranges(responses: Mapping[str, ResponseModel]) -> dict[str, tuple[float, float]]:
-    """Ranges of a model's numbers as the equations' columns have them."""
-    ranges: dict[str, tuple[float, float]] = {}
-    for response in responses.values():
-        columns = zip(response.factors, response.lowest, response.highest, strict=True)
-        for name, low, high in columns:
-            if response.basis == "factors" and IS not in name:
-                ranges.setdefault(name, (low, high))
-    return ranges
-
-
 Value = float | Array
 
 
@@ -214,17 +210,6 @@ def _middle(family: Family) -> dict[str, float | str]:
     """Return the middle of each factor's range, and the first label of each choice."""
     numbers = {name: 0.5 * (low + high) for name, (low, high) in family.ranges.items()}
     return numbers | {name: labels[0] for name, labels in family.categories.items()}
-
-
-def _others(family: Family, asked: Mapping[str, Any], gamma_deg: float | None) -> str:
-    """State the values of the other factors."""
-    shown = [
-        f"{name.replace('_', ' ')} {v if isinstance(v, str) else family.format_value(name, float(v))}"
-        for name, v in asked.items()
-    ]
-    if gamma_deg is not None:
-        shown.append(f"neighbors at {gamma_deg:g} deg")
-    return "\n".join(shown)
 
 
 class ComplianceModel(InputModel):
@@ -955,9 +940,13 @@ class ComplianceModel(InputModel):
             label_factor_axis(axes, factor, unit, ())
         axes.set_ylabel(response_text(points[0].symbol.partition("(")[0], points[0].unit))
         write_title(axes, f"{name.replace('_', ' ')}, {points[0].support}".rstrip(", "))
-        axes.legend(
-            frameon=False, title=_others(family, asked, gamma_deg), title_fontsize=8, fontsize=8
-        )
+        others = []
+        for other, value in asked.items():
+            text = value if isinstance(value, str) else family.format_value(other, float(value))
+            others.append(f"{other.replace('_', ' ')} {text}")
+        if gamma_deg is not None:
+            others.append(f"neighbors at {gamma_deg:g} deg")
+        axes.legend(frameon=False, title="\n".join(others), title_fontsize=8, fontsize=8)
         return axes
 
     def to_pandas(self) -> Any:

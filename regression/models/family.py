@@ -96,7 +96,7 @@ class Family:
             elif name in self.labels:
                 checked[name] = _checked_labels(name, value, (self.labels[name],))
             elif name in self.ranges or name in self.fixed or name in self.relations:
-                checked[name] = _checked_numbers(name, value, self._lower_limit(name), self)
+                checked[name] = self._checked_numbers(name, value)
             else:
                 known = (*self.factors, *self.relations, *self.fixed, *self.labels)
                 raise InputError(
@@ -203,41 +203,81 @@ class Family:
         minimum = None if info is None else field_extra(info, "minimum_si")
         return 1.0 if minimum is None else float(minimum)
 
+    def free_factors(self, asked: Mapping[str, float | str], size: float) -> dict[str, float]:
+        """Find factors that are not dimensions, such as ratios, from the dimensions related to them.
+
+        Only by relations with a unique solution, between lengths divided by the throw's size.
+        """
+        free = [name for name in self.ranges if declaration(name) is None]
+        if not free:
+            return {}
+        units = self.all_units
+        uses = {
+            target: set(read_expression(text, target, units).names)
+            for target, text in self.relations.items()
+        }
+        known = {
+            name: value / size if units[name] == "m" else value
+            for name, value in asked.items()
+            if isinstance(value, float)
+        }
+        solved: dict[str, float] = {}
+        for _ in free:
+            for target, names in uses.items():
+                unknown = [name for name in free if name in names and name not in solved]
+                if len(unknown) != 1 or target not in known:
+                    continue
+                name = unknown[0]
+                others = {n: v for n, v in known.items() if n != target} | solved
+                if not uses[target] <= {*others, name}:
+                    continue
+                relation = {target: self.relations[target]}
+                solution = _solution(
+                    partial(_related_value, relation, others, units, name),
+                    *self.ranges[name],
+                    known[target],
+                )
+                if solution is not None:
+                    solved[name] = solution
+        return {
+            name: value * size if units[name] == "m" else value for name, value in solved.items()
+        }
+
+    def _checked_numbers(self, name: str, value: object) -> float | Array:
+        """Return finite numbers, positive ones unless the model's least value permits otherwise."""
+        if isinstance(value, float) and 0.0 < value < math.inf:
+            return float(value)
+        least = self._lower_limit(name)
+        sign = "positive finite numbers" if least > 0.0 else "positive finite numbers (or 0)"
+        sign = "finite numbers" if least < 0.0 else sign
+        kind = "in SI units (m for a length)" if self.unit(name) else "without a unit"
+        allowed = f"allowed are {sign} {kind}"
+        try:
+            raw = np.asarray(value)
+            if raw.dtype.kind not in "iuf":
+                raise TypeError
+            array = raw.astype(np.float64, copy=False)
+        except (TypeError, ValueError, OverflowError):
+            raise InputError(f"{name}: given {value!r}; {allowed}.") from None
+        if array.size == 0:
+            raise InputError(f"{name}: given an empty array; {allowed}.")
+        # NaN passes through both.
+        low, high = float(np.min(array)), float(np.max(array))
+        if not (np.isfinite(low) and np.isfinite(high)) or (
+            least >= 0.0 and (low < 0.0 or (least > 0.0 and low == 0.0))
+        ):
+            wrong = ~np.isfinite(array) | ((array <= 0.0) if least > 0.0 else (array < 0.0))
+            # What is shown has its unit, so that nothing need be said of units.
+            shown = self.format_value(name, float(array[wrong].flat[0]))
+            raise InputError(f"{name}: given {shown}; allowed are {sign}.")
+        return array if array.ndim else float(array)
+
 
 def smallest_and_largest(values: Any) -> tuple[float, float]:
     """Ends of a number or an array; for numbers without numpy, which takes longer than a lookup may."""
     if values.__class__ is float:
         return values, values
     return float(np.min(values)), float(np.max(values))
-
-
-def _checked_numbers(name: str, value: object, least: float, family: Family) -> float | Array:
-    """Return finite numbers, positive ones unless the model's least value permits otherwise."""
-    if isinstance(value, float) and 0.0 < value < math.inf:
-        return float(value)
-    sign = "positive finite numbers" if least > 0.0 else "positive finite numbers (or 0)"
-    sign = "finite numbers" if least < 0.0 else sign
-    kind = "in SI units (m for a length)" if family.unit(name) else "without a unit"
-    allowed = f"allowed are {sign} {kind}"
-    try:
-        raw = np.asarray(value)
-        if raw.dtype.kind not in "iuf":
-            raise TypeError
-        array = raw.astype(np.float64, copy=False)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name}: given {value!r}; {allowed}.") from None
-    if array.size == 0:
-        raise InputError(f"{name}: given an empty array; {allowed}.")
-    # NaN passes through both.
-    low, high = float(np.min(array)), float(np.max(array))
-    if not (np.isfinite(low) and np.isfinite(high)) or (
-        least >= 0.0 and (low < 0.0 or (least > 0.0 and low == 0.0))
-    ):
-        wrong = ~np.isfinite(array) | ((array <= 0.0) if least > 0.0 else (array < 0.0))
-        # What is shown has its unit, so that nothing need be said of units.
-        shown = family.format_value(name, float(array[wrong].flat[0]))
-        raise InputError(f"{name}: given {shown}; allowed are {sign}.")
-    return array if array.ndim else float(array)
 
 
 def _checked_labels(name: str, value: object, labels: tuple[str, ...]) -> Any:
@@ -326,8 +366,14 @@ def query_for_throw(
     asked: dict[str, float | str] = {}
     for name in numbers:
         value = dimensions.get(name)
-        if value is None and declaration(name) is not None:
-            value = _absent(name, dimensions)
+        field = declaration(name)
+        if value is None and field is not None:
+            if name in DEFAULTS:
+                other, share = DEFAULTS[name]
+                base = dimensions.get(other)
+                value = share * base if isinstance(base, float) else None
+            elif field_extra(field, "feature"):
+                value = 0.0
         if isinstance(value, float):
             asked[name] = value
     for name in (*family.categories, *family.labels):
@@ -339,17 +385,7 @@ def query_for_throw(
     size = family.size({name: value for name, value in asked.items() if name in numbers})
     for name in dict.fromkeys((*others, *expected)):
         _check_same(name, others.get(name), expected.get(name), size)
-    return asked | _free_factors(family, asked, size)
-
-
-def _absent(name: str, dimensions: Mapping[str, float | str]) -> float | None:
-    """Default value of a dimension that is not given, or 0 for a feature."""
-    if name in DEFAULTS:
-        other, share = DEFAULTS[name]
-        base = dimensions.get(other)
-        return share * base if isinstance(base, float) else None
-    info = declaration(name)
-    return 0.0 if info is not None and field_extra(info, "feature") else None
+    return asked | family.free_factors(asked, size)
 
 
 def _check_same(
@@ -378,47 +414,6 @@ def _format_dimension(name: str, value: float | str | None) -> str:
     if value is None:
         return "none"
     return value if isinstance(value, str) else format_value(name, value)
-
-
-def _free_factors(
-    family: Family, asked: Mapping[str, float | str], size: float
-) -> dict[str, float]:
-    """Find factors that are not dimensions, such as ratios, from the dimensions related to them.
-
-    Only by relations with a unique solution, between lengths divided by the throw's size.
-    """
-    free = [name for name in family.ranges if declaration(name) is None]
-    if not free:
-        return {}
-    units = family.all_units
-    uses = {
-        target: set(read_expression(text, target, units).names)
-        for target, text in family.relations.items()
-    }
-    known = {
-        name: value / size if units[name] == "m" else value
-        for name, value in asked.items()
-        if isinstance(value, float)
-    }
-    solved: dict[str, float] = {}
-    for _ in free:
-        for target, names in uses.items():
-            unknown = [name for name in free if name in names and name not in solved]
-            if len(unknown) != 1 or target not in known:
-                continue
-            name = unknown[0]
-            others = {n: v for n, v in known.items() if n != target} | solved
-            if not uses[target] <= {*others, name}:
-                continue
-            relation = {target: family.relations[target]}
-            solution = _solution(
-                partial(_related_value, relation, others, units, name),
-                *family.ranges[name],
-                known[target],
-            )
-            if solution is not None:
-                solved[name] = solution
-    return {name: value * size if units[name] == "m" else value for name, value in solved.items()}
 
 
 def _related_value(

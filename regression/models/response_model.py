@@ -216,10 +216,8 @@ class ResponseModel(FittedForm):
         unit: str,
         support: str = "pinned",
         basis: Literal["factors", "groups"] | None = None,
-        lowest: Mapping[str, float] | None = None,
-        highest: Mapping[str, float] | None = None,
+        ranges: Mapping[str, tuple[float, float]] | None = None,
         fe_error: float | None = None,
-        equation: str | None = None,
     ) -> Self:
         """Make the response from a fit.
 
@@ -231,30 +229,26 @@ class ResponseModel(FittedForm):
             Symbol, unit and support of the response, such as "e_n", "m/N" and "pinned".
         basis : {"factors", "groups"}, optional
             That of the fit by default.
-        lowest, highest : mapping, optional
-            Range of columns if it is not that of the runs.
+        ranges : mapping, optional
+            Lowest and highest value of columns if they are not those of the runs.
         fe_error : float, optional
             Largest relative error estimate of the finite element values.
-        equation : str, optional
-            The equation as text; by default written from the fit.
         """
-        fitted, basis = fit.fitted, basis or fit.basis
-        if equation is None:
-            from regression.fits.equation_text import equation_text
+        from regression.fits.equation_text import equation_text
 
-            equation = equation_text(fitted, symbol=symbol, unit=unit)
-        low = dict(zip(fit.factors, fit.lowest, strict=True)) | dict(lowest or {})
-        high = dict(zip(fit.factors, fit.highest, strict=True)) | dict(highest or {})
+        fitted, basis = fit.fitted, basis or fit.basis
+        ends = dict(zip(fit.factors, zip(fit.lowest, fit.highest, strict=True), strict=True))
+        ends |= ranges or {}
         return cls(
             **dict(fitted),
             **{name: getattr(fit, name) for name in JUDGED},
             basis=basis,
-            lowest=tuple(low.values()),
-            highest=tuple(high.values()),
+            lowest=tuple(low for low, _ in ends.values()),
+            highest=tuple(high for _, high in ends.values()),
             symbol=symbol,
             unit=unit,
             support=support,
             largest_fe_error=fe_error,
             dropped_terms=fit.dropped,
-            equation=equation,
+            equation=equation_text(fitted, symbol=symbol, unit=unit, basis=basis),
         )

@@ -456,6 +456,19 @@ class Ratio:
     read: Reader
     value: float
 
+    def check(self, values: Any) -> None:
+        """Refuse values other than that of the study (`InputError`)."""
+        margin, (least, most) = AGREES * max(1.0, abs(self.value)), smallest_and_largest(values)
+        if self.value - margin <= least and most <= self.value + margin:
+            return
+        differences = np.atleast_1d(np.abs(values - self.value))
+        worst_ratio = float(np.atleast_1d(values)[int(np.argmax(differences))])
+        share = f", {100.0 * (worst_ratio / self.value - 1.0):+.3g} %" if self.value else ""
+        raise InputError(
+            f"{self.name}: given {worst_ratio:.6g}{share}; allowed is {self.value:.6g}, because this "
+            "ratio did not vary in the study, so the equation does not contain its effect."
+        )
+
 
 @dataclass(frozen=True)
 class ResponseValues:
@@ -604,7 +617,14 @@ class ResponseQuery:
             family.check_fixed(checked)
         else:
             size = family.size(checked)
-            _check_size(size)
+            least, most = smallest_and_largest(size)
+            if least * FARTHEST < 1.0 or most > FARTHEST:
+                hint = " (mm given in place of m?)" if most > FARTHEST else ""
+                raise InputError(
+                    f"dimensions: given a throw {most if hint else least:.3g} times as large as those of "
+                    f"the study; allowed is up to {FARTHEST:g} times as large or as small, because no crank "
+                    f"is of such a size{hint}."
+                )
         family.check_related(checked, size)
         if not self._names <= checked.keys():
             known = family.completed(checked, size)
@@ -626,7 +646,7 @@ class ResponseQuery:
     ) -> tuple[Any, Any]:
         """Evaluate one piece by numpy, or one point by math; `findings` gets the values outside."""
         for ratio in self.ratios:
-            _check_ratio(ratio, ratio.read(known))
+            ratio.check(ratio.read(known))
         columns = [column.read(known) for column in self.columns]
         inside: Any = True
         for finding, where in self._outside(known, columns):
@@ -663,31 +683,6 @@ class ResponseQuery:
             }
             if (broken := constraint.find_broken(at_study_size)) is not None:
                 yield broken
-
-
-def _check_size(size: Given) -> None:
-    """Refuse a throw so much larger or smaller than the study's that its unit must be wrong."""
-    least, most = smallest_and_largest(size)
-    if least * FARTHEST < 1.0 or most > FARTHEST:
-        hint = " (mm given in place of m?)" if most > FARTHEST else ""
-        raise InputError(
-            f"dimensions: given a throw {most if hint else least:.3g} times as large as those of the study; "
-            f"allowed is up to {FARTHEST:g} times as large or as small, because no crank is of such a "
-            f"size{hint}."
-        )
-
-
-def _check_ratio(ratio: Ratio, values: Any) -> None:
-    margin, (least, most) = AGREES * max(1.0, abs(ratio.value)), smallest_and_largest(values)
-    if ratio.value - margin <= least and most <= ratio.value + margin:
-        return
-    differences = np.atleast_1d(np.abs(values - ratio.value))
-    worst_ratio = float(np.atleast_1d(values)[int(np.argmax(differences))])
-    share = f", {100.0 * (worst_ratio / ratio.value - 1.0):+.3g} %" if ratio.value else ""
-    raise InputError(
-        f"{ratio.name}: given {worst_ratio:.6g}{share}; allowed is {ratio.value:.6g}, because this ratio did "
-        "not vary in the study, so the equation does not contain its effect."
-    )
 
 
 def _common_shape(values: Mapping[str, Any]) -> tuple[int, ...]:

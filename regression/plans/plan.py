@@ -43,7 +43,6 @@ from regression.plans.moved_meshes import (
     MOVED_MESH,
     NEW_MESH,
     Mesh,
-    MeshClass,
     mesh_classes,
 )
 from regression.plans.relations import (
@@ -102,7 +101,21 @@ class Variants:
             if names.count(name) > 1:
                 raise InputError(f"study.factors.{name}: given twice; allowed is each factor once.")
         for path in relations:
-            _check_target(path, fields, throw, names)
+            target = f"study.relations.{path}"
+            if path not in fields:
+                raise InputError(
+                    f"{target}: unknown throw dimension; {unknown_field(path, fields, throw)}."
+                )
+            if fields[path].choices:
+                raise InputError(
+                    f"{target}: is a choice; allowed are fields that are quantities, because an expression "
+                    "gives a number."
+                )
+            if path in names:
+                raise InputError(
+                    f"{target}: is a factor as well; allowed is either, because a relation fixes what a "
+                    "factor varies."
+                )
         units = {
             path: entry.unit
             for path, entry in fields.items()
@@ -221,24 +234,6 @@ class Variants:
         except InputError as error:
             return Variant(None, f"it cannot be built: {str(error).rstrip('.')}")
         return Variant(throw.model_dump(mode="json"))
-
-
-def _check_target(
-    path: str, fields: Mapping[str, ThrowField], throw: CrankThrow, factors: list[str]
-) -> None:
-    name = f"study.relations.{path}"
-    if path not in fields:
-        raise InputError(f"{name}: unknown throw dimension; {unknown_field(path, fields, throw)}.")
-    if fields[path].choices:
-        raise InputError(
-            f"{name}: is a choice; allowed are fields that are quantities, because an expression gives a "
-            "number."
-        )
-    if path in factors:
-        raise InputError(
-            f"{name}: is a factor as well; allowed is either, because a relation fixes what a factor "
-            "varies."
-        )
 
 
 def _check_factor(
@@ -590,12 +585,29 @@ def with_meshes(
     values = np.array([design.values for design in designs])[:, numbers]
     classes = mesh_classes(records, values, plan.accuracy)
     places = {place: known for known in classes for place in known.members}
-    return tuple(
-        _moved_design(plan, design, places[place], place in places[place].anchors)
-        if place in places
-        else design
-        for place, design in enumerate((*designs, *added))
-    )
+    planned = []
+    for place, design in enumerate((*designs, *added)):
+        if place not in places:
+            planned.append(design)
+            continue
+        mesh_class = places[place]
+        moved = {"throw": mesh_class.throw, "paths": list(plan.moved), "version": MOVED_VERSION}
+        inputs = design.inputs | {MOVED: moved}
+        ordinary = None
+        if place in mesh_class.anchors:
+            alone = {key: kept for key, kept in design.inputs.items() if key not in (SLOPES, MOVED)}
+            alone["accuracy"] = min(plan.accuracy, ANCHOR_ACCURACY)
+            ordinary = (_design_key(alone), alone)
+        planned.append(
+            replace(
+                design,
+                inputs=inputs,
+                key=_design_key(inputs),
+                mesh_class=mesh_class.number,
+                ordinary=ordinary,
+            )
+        )
+    return tuple(planned)
 
 
 def _mesh_remark(designs: Sequence[PlannedDesign]) -> str:
@@ -607,22 +619,6 @@ def _mesh_remark(designs: Sequence[PlannedDesign]) -> str:
     return (
         f"{len(classes)} of {len(designs)} designs have moved meshes, those of {topologies}; "
         f"anchors, with meshes of their own too: {anchors}."
-    )
-
-
-def _moved_design(
-    plan: StudyPlan, design: PlannedDesign, mesh_class: MeshClass, anchor: bool
-) -> PlannedDesign:
-    moved = {"throw": mesh_class.throw, "paths": list(plan.moved), "version": MOVED_VERSION}
-    inputs = design.inputs | {MOVED: moved}
-    ordinary = {name: value for name, value in design.inputs.items() if name not in (SLOPES, MOVED)}
-    ordinary["accuracy"] = min(plan.accuracy, ANCHOR_ACCURACY)
-    return replace(
-        design,
-        inputs=inputs,
-        key=_design_key(inputs),
-        mesh_class=mesh_class.number,
-        ordinary=(_design_key(ordinary), ordinary) if anchor else None,
     )
 
 

@@ -9,7 +9,6 @@ On the worker's machine the design runs in the same supervised process as it wou
 import atexit
 import contextlib
 import logging
-import os
 import re
 import threading
 import time
@@ -24,6 +23,7 @@ from typing import Any, Protocol
 
 from crankbase.calls import Limits, ProcessLostError
 from crankbase.errors import InputError, MissingLibraryError
+from crankbase.processes import once_per_process
 from regression.plans.plan import MODEL_VERSION
 from regression.records import Outcome, StudyStoppedError
 from regression.runs.workers import (
@@ -105,16 +105,12 @@ class ProcessPool:
             self._timer.start()
 
 
-@cache
-def _pool_of_process(_owner: int) -> ProcessPool:
+@once_per_process
+def shared_process_pool() -> ProcessPool:
+    """Return the pool common to all threads of this process; a forked child gets its own."""
     pool = ProcessPool()
     atexit.register(pool.close)
     return pool
-
-
-def shared_process_pool() -> ProcessPool:
-    """Return the pool common to all threads of this process; a forked child gets its own."""
-    return _pool_of_process(os.getpid())
 
 
 # Seconds between two looks at the tasks if none has woken the loop, and at the list of workers.

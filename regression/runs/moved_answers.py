@@ -152,7 +152,12 @@ def scaled_answers(
     for number, members in classes.items():
         corrections = _corrections(members, scaled)
         for design in members:
-            scaled[design.key] = _smoothed(scaled[design.key], design.values, corrections)
+            # The mesh's own answers and the fit of what corrects them.
+            answer, values = scaled[design.key], np.array(design.values)
+            discrete = discrete_answers(answer)
+            smooth = {name: discrete[name] * fit.at(values) for name, fit in corrections.items()}
+            responses = {**(answer.responses or {}), **smooth}
+            scaled[design.key] = replace(answer, responses=responses)
         fits[number] = _class_fits(members, scaled, outcomes)
         for design in members:
             known = scaled[design.key]
@@ -228,15 +233,6 @@ def _ratio_fits(
             bars = [errors.get(name, 0.0) for _, _, errors in answers]
             fits[name] = ratio_fit(values, ratios, float(np.median(bars)), degree)
     return fits
-
-
-def _smoothed(
-    moved: Outcome, values: Sequence[float], corrections: Mapping[str, RatioFit]
-) -> Outcome:
-    """Replace answers by the mesh's own ones and the fit of what corrects them."""
-    discrete = discrete_answers(moved)
-    smooth = {name: discrete[name] * fit.at(np.array(values)) for name, fit in corrections.items()}
-    return replace(moved, responses={**(moved.responses or {}), **smooth})
 
 
 def _scaled(

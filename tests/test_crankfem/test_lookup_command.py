@@ -219,9 +219,7 @@ def test_a_response_that_cannot_be_told_is_left_out(run, path):
     model = ComplianceModel.load(path)
     x = np.linspace(1.4, 1.9, 4)[:, None]
     fit = fit_form("power law", ("B/D_shm",), x, 60.0 / x[:, 0])
-    groups = ResponseModel.from_fit(
-        fit, symbol="e_n", unit="m/N", basis="groups", equation="dimensionless"
-    )
+    groups = ResponseModel.from_fit(fit, symbol="e_n", unit="m/N", basis="groups")
     ComplianceModel(
         **(
             model.model_dump()

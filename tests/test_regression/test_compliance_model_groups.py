@@ -62,9 +62,7 @@ def group_response(function, scale, symbol, unit, **others):
     designs, values = at_grid(function)
     x = np.stack([group_named(name).value(designs) for name in COLUMNS], axis=-1)
     fit = fit_form("log-quadratic", COLUMNS, x, values / scale)
-    return ResponseModel.from_fit(
-        fit, symbol=symbol, unit=unit, basis="groups", equation="dimensionless", **others
-    )
+    return ResponseModel.from_fit(fit, symbol=symbol, unit=unit, basis="groups", **others)
 
 
 @pytest.fixture(scope="module")

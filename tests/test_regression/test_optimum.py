@@ -165,11 +165,7 @@ def test_relations_and_constraints_are_kept():
     x = grid(box, 4)
     fit = fit_form("log-quadratic", tuple(box), x, stiff(x))
     model = ComplianceModel(
-        responses={
-            "axial_compliance": ResponseModel.from_fit(
-                fit, symbol="e_n", unit="m/N", lowest={}, equation="e"
-            )
-        },
+        responses={"axial_compliance": ResponseModel.from_fit(fit, symbol="e_n", unit="m/N")},
         fixed=FIXED | {"pin_length": 0.139},
         ranges=box,
         relations={"web_width": "width_ratio * pin_diameter"},

@@ -41,7 +41,7 @@ def response(form, size, unit="m/N"):
     columns = np.stack([group_named(name).value(dimensions) for name in GROUPS], axis=-1)
     scale = 1.0 / (STEEL.youngs_modulus * THROW["pin_diameter"]) if unit else 1.0
     fit = fit_form(form, GROUPS, columns, values / scale)
-    return ResponseModel.from_fit(fit, symbol="e", unit=unit, equation="dimensionless")
+    return ResponseModel.from_fit(fit, symbol="e", unit=unit)
 
 
 def make_model(form):

@@ -65,10 +65,8 @@ def compliance_model(
             symbol=response.symbol,
             unit=response.unit,
             support=response.support,
-            lowest={factor.name: factor.lowest for factor in inside},
-            highest={factor.name: factor.highest for factor in inside},
+            ranges={factor.name: (factor.lowest, factor.highest) for factor in inside},
             fe_error=response.fe_error,
-            equation=fit.equation,
         )
     return ComplianceModel(
         responses=responses,
