@@ -158,6 +158,20 @@ class SampleRows:
             self, angles=self.angles[rows], values=self.values[rows], lines=self.lines[rows]
         )
 
+    def counted_on(self, cycle: float) -> "SampleRows":
+        """Return the rows with angles counted on where they begin again with each cycle [deg]."""
+        steps = np.diff(self.angles)
+        if not np.any(steps < -0.5 * cycle):
+            return self
+        usual = float(np.median(steps))
+        turns = np.where(steps < -0.5 * cycle, np.round((usual - steps) / cycle), 0.0)
+        angles = self.angles + cycle * np.concatenate([[0.0], np.cumsum(turns)])
+        # A cycle's closing sample is at the angle of the next one's first.
+        repeated = (turns > 0.0) & (np.abs(np.diff(angles)) <= PLACE_TOLERANCE * usual)
+        kept = np.append(~repeated, True)
+        lines = tuple(line for line, keep in zip(self.lines, kept, strict=True) if keep)
+        return replace(self, angles=angles[kept], values=self.values[kept], lines=lines)
+
 
 def possible_cycles(strokes: int | None) -> dict[int, float]:
     """Return the length of the cycle [deg] for the strokes given, or for both."""
@@ -373,7 +387,7 @@ def one_cycle(
     """
     faults = list(rows.faults)
     if len(cycles) == 1:
-        rows = _continued(rows, *cycles.values())
+        rows = rows.counted_on(*cycles.values())
     angles = rows.angles
     index = first_not_increasing(angles)
     if index is not None:
@@ -387,7 +401,16 @@ def one_cycle(
     room *= 1.0 + (2.0 * PLACE_TOLERANCE if steady else 1e-9)
     cut = _cut(rows, cycles, room, step)
     if cut is None:
-        raise InputError("\n".join([*faults, _no_cycle(rows, cycles)]))
+        lengths = " or ".join(f"{cycle:g} deg" for cycle in cycles.values())
+        several = "" if len(cycles) > 1 else ", or several"
+        no_cycle = rows.angle_error(
+            -1,
+            f"given angles from {rows.angles[0]:g} to {rows.angles[-1]:g} deg in steps of "
+            f"{mean_step(rows.angles):g} deg; allowed is one cycle of {lengths}{several}, with or without "
+            f"the closing sample, and open by {WIDEST_GAP:g} deg at most, because what the table holds "
+            "repeats with the cycle",
+        )
+        raise InputError("\n".join([*faults, str(no_cycle)]))
     cycle = cycles[cut.strokes]
     gaps = np.flatnonzero(np.diff(angles[: cut.cycles[-1].stop]) > room) + 1
     faults += [
@@ -434,21 +457,6 @@ def one_cycle(
     return cut.strokes, replace(single, values=values, remarks=tuple(remarks), faults=())
 
 
-def _continued(rows: SampleRows, cycle: float) -> SampleRows:
-    """Return rows whose angles begin again with each cycle [deg] with angles that are counted on."""
-    steps = np.diff(rows.angles)
-    if not np.any(steps < -0.5 * cycle):
-        return rows
-    usual = float(np.median(steps))
-    turns = np.where(steps < -0.5 * cycle, np.round((usual - steps) / cycle), 0.0)
-    angles = rows.angles + cycle * np.concatenate([[0.0], np.cumsum(turns)])
-    # A cycle's closing sample is at the angle of the next one's first.
-    repeated = (turns > 0.0) & (np.abs(np.diff(angles)) <= PLACE_TOLERANCE * usual)
-    kept = np.append(~repeated, True)
-    lines = tuple(line for line, keep in zip(rows.lines, kept, strict=True) if keep)
-    return replace(rows, angles=angles[kept], values=rows.values[kept], lines=lines)
-
-
 def _cut(rows: SampleRows, cycles: Mapping[int, float], room: float, step: float) -> _Cut | None:
     """Return where the cycles are, for the first length that the angles cover; None if there is none."""
     angles = rows.angles
@@ -476,20 +484,6 @@ def _cut(rows: SampleRows, cycles: Mapping[int, float], room: float, step: float
             continue
         return _Cut(strokes, parts, left - closes, stop if closes else None)
     return None
-
-
-def _no_cycle(rows: SampleRows, cycles: Mapping[int, float]) -> str:
-    lengths = " or ".join(f"{cycle:g} deg" for cycle in cycles.values())
-    several = "" if len(cycles) > 1 else ", or several"
-    return str(
-        rows.angle_error(
-            -1,
-            f"given angles from {rows.angles[0]:g} to {rows.angles[-1]:g} deg in steps of "
-            f"{mean_step(rows.angles):g} deg; allowed is one cycle of {lengths}{several}, with or without "
-            f"the closing sample, and open by {WIDEST_GAP:g} deg at most, because what the table holds "
-            "repeats with the cycle",
-        )
-    )
 
 
 def _mean_cycle(

@@ -556,11 +556,6 @@ def stiffness_range(lowest: float, highest: float) -> str:
     return listed((lowest, highest), "N/m", 3, " to ")
 
 
-def _range_of(values: Array, form: str) -> str:
-    low, high = (format(float(end), form) for end in (np.nanmin(values), np.nanmax(values)))
-    return low if low == high else f"{low} to {high}"
-
-
 def first_frequencies(
     kind: str,
     mode: int,
@@ -603,11 +598,12 @@ def limits_over_bearings(
     stiffness: Array,
 ) -> str:
     """State the shares of limits used over the bearings' range, and where the verdict changes."""
-    uses = ", ".join(
-        f"{_range_of(100.0 * shares, '.0f')} % "
-        f"({name}{', above the running range included' if name in beyond else ''})"
-        for name, shares in used.items()
-    )
+    uses = []
+    for name, shares in used.items():
+        low, high = (f"{100.0 * float(end):.0f}" for end in (np.nanmin(shares), np.nanmax(shares)))
+        span = low if low == high else f"{low} to {high}"
+        above = ", above the running range included" if name in beyond else ""
+        uses.append(f"{span} % ({name}{above})")
     places = range(len(statuses))
     starts = [place for place in places if place == 0 or statuses[place] != statuses[place - 1]]
     ends = [*(start - 1 for start in starts[1:]), len(statuses) - 1]
@@ -625,7 +621,7 @@ def limits_over_bearings(
         if len(starts) > 1
         else f'with all other values as used, the verdict is "{statuses[0]}" over all of it'
     )
-    return f"Over that range, the share of the limit used is {uses}; {change}."
+    return f"Over that range, the share of the limit used is {', '.join(uses)}; {change}."
 
 
 def force_on_thrust_bearing(

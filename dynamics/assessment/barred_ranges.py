@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.array_checks import Array, Flags, positive_number
+from crankbase.array_checks import Array, positive_number
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.results import Internal, Part, Result, Speed, result
@@ -241,7 +241,9 @@ def exceeded_ranges(
     middle = curve.values[1:-1]
     tops = 1 + np.flatnonzero((middle > curve.values[:-2]) & (middle >= curve.values[2:]))
     ranges = []
-    for first, last in _runs(used > 1.0):
+    edges = np.diff(np.concatenate(([0], (used > 1.0).astype(int), [0])))
+    starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    for first, last in zip(starts.tolist(), stops.tolist(), strict=True):
         if not at_most(speeds[first], highest):
             break
         judged = first + np.flatnonzero(at_most(speeds[first : last + 1], highest))
@@ -287,11 +289,13 @@ def barred_ranges(
     limit and the rule allow to be barred, stays within the limit for passing, and leaves part of the
     running range free: since touching ranges are merged, separate ones always leave speeds between them.
     """
-    widened = [
-        _Widened(*_widened(exceeded, rule), exceeded, limit, curve)
-        for limit, curve in findings
-        for exceeded in exceeded_ranges(limit, curve, limit_end_speed(limit, running_range))
-    ]
+    widened = []
+    for limit, curve in findings:
+        for exceeded in exceeded_ranges(limit, curve, limit_end_speed(limit, running_range)):
+            peaks = [peak for peak in exceeded.peaks if at_most(peak, rule.rated_speed)]
+            bounds = [(exceeded.low, exceeded.high), *map(rule.bounds, peaks)]
+            low, high = min(low for low, _ in bounds), max(high for _, high in bounds)
+            widened.append(_Widened(low, high, exceeded, limit, curve))
     groups: list[list[_Widened]] = []
     reach = -np.inf
     for item in sorted(widened, key=lambda entry: entry.low):
@@ -457,22 +461,6 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
         rule.rated_speed,
         (below, above),
     )
-
-
-def _widened(exceeded: ExceededRange, rule: BarredRangeRule) -> tuple[float, float]:
-    """Return a range widened to the rule's bounds about its peaks below the rated speed."""
-    ends = [rule.bounds(peak) for peak in exceeded.peaks if at_most(peak, rule.rated_speed)]
-    return (
-        min([exceeded.low, *(low for low, _ in ends)]),
-        max([exceeded.high, *(high for _, high in ends)]),
-    )
-
-
-def _runs(flags: Flags) -> list[tuple[int, int]]:
-    """Return first and last index of each run of true values."""
-    edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
-    starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-    return list(zip(starts.tolist(), stops.tolist(), strict=True))
 
 
 def _crossing(

@@ -652,14 +652,13 @@ def decide(status: Status, trials: Iterable[Trial]) -> Decision:
             for field in by_field
             if any(trial.status != status for trial in field)
         ]
-    reasons = tuple(f"{holds} with {_values(field, holding)}" for field, holding in deciding)
-    return Decision(conclusion, reasons, tried)
-
-
-def _values(trials: Sequence[Trial], holds: Sequence[bool]) -> str:
-    first, shown = trials[0], [kept(trial.shown) for trial in trials]
-    taken = next((place for place, trial in enumerate(trials) if trial.taken), None)
-    return values_sentence(first.field, first.name, first.why, shown, holds, taken)
+    reasons = []
+    for field, holding in deciding:
+        first, shown = field[0], [kept(trial.shown) for trial in field]
+        taken = next((place for place, trial in enumerate(field) if trial.taken), None)
+        values = values_sentence(first.field, first.name, first.why, shown, holding, taken)
+        reasons.append(f"{holds} with {values}")
+    return Decision(conclusion, tuple(reasons), tried)
 
 
 def changes(trials: Sequence[Trial]) -> list[tuple[Trial, Trial]]:

@@ -151,7 +151,13 @@ def beam_element(part: ShaftCone) -> tuple[Array, Array]:
     young, shear = material.youngs_modulus, material.shear_modulus
     area = length / (young * part.axial_compliance)
     bending = young * 0.5 * length / (shear * part.torsional_compliance)
-    phi = 12.0 * bending / (_shear_coefficient(part) * shear * area * length**2)
+    # Cowper's coefficient of a round or hollow cross section, in the middle of the piece.
+    poisson = 0.5 * young / shear - 1.0
+    half = part.between(0.5 * length, length)
+    hollow = (half.bore / half.left_diameter) ** 2
+    thick = (7.0 + 6.0 * poisson) * (1.0 + hollow) ** 2 + (20.0 + 12.0 * poisson) * hollow
+    kappa = 6.0 * (1.0 + poisson) * (1.0 + hollow) ** 2 / thick
+    phi = 12.0 * bending / (kappa * shear * area * length**2)
     tilt = math.sqrt(bending / length) * np.array([0.0, -1.0, 0.0, 1.0])
     across = np.array([-1.0, -0.5 * length, 1.0, -0.5 * length])
     across *= math.sqrt(12.0 * bending / (length**3 * (1.0 + phi)))
@@ -176,12 +182,3 @@ def beam_element(part: ShaftCone) -> tuple[Array, Array]:
     mass = part.mass * (deflection * WEIGHTS) @ deflection.T
     mass += 0.5 * part.polar_inertia * (rotation * WEIGHTS) @ rotation.T
     return mass / (1.0 + phi) ** 2, np.array([tilt, across])
-
-
-def _shear_coefficient(part: ShaftCone) -> float:
-    """Return Cowper's coefficient of a round or hollow cross section, in the middle of a piece."""
-    poisson = 0.5 * part.material.youngs_modulus / part.material.shear_modulus - 1.0
-    half = part.between(0.5 * part.length, part.length)
-    hollow = (half.bore / half.left_diameter) ** 2
-    thick = (7.0 + 6.0 * poisson) * (1.0 + hollow) ** 2
-    return 6.0 * (1.0 + poisson) * (1.0 + hollow) ** 2 / (thick + (20.0 + 12.0 * poisson) * hollow)

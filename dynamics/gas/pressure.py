@@ -340,6 +340,34 @@ class Peak(NamedTuple):
     latest: float
     why: str
 
+    def check(self, rows: SampleRows, pressure: Array, cycle: float) -> None:
+        """Refuse a diagram whose peak is not there (`InputError`)."""
+        index = int(np.argmax(pressure))
+        if not self.lowest <= pressure[index] <= self.highest:
+            raise rows.value_error(
+                index,
+                f"given a peak of {rows.values[index]:g}, which is {pressure[index] / 1e6:g} MPa absolute; "
+                f"allowed are {self.lowest / 1e6:g} to {self.highest / 1e6:g} MPa, because any other comes "
+                "from a wrong unit in the header",
+            )
+
+        def fits(angle: float, range_: "Peak" = self) -> bool:
+            return (angle - range_.earliest) % cycle <= range_.latest - range_.earliest
+
+        peak, half = float(rows.angles[index]), cycle / 2.0
+        if fits(peak):
+            return
+        hint = f"; the table looks shifted by {half:g} deg" if fits(peak + half) else ""
+        if self is ENGINE and cycle == cycle_degrees(2) and fits(peak, COMPRESSOR):
+            hint += (
+                "; a compressor, whose pressure is highest before the top, needs engine.driven_by"
+            )
+        raise rows.angle_error(
+            index,
+            f"given the highest pressure at {peak:g} deg; allowed is a peak from {self.earliest:g} to "
+            f"{self.latest:g} deg, because {self.why}{hint}",
+        )
+
 
 # Motored engines reach 1 MPa just before the top, fired ones have their peak after it. Compressors for
 # polyethylene reach 350 MPa.
@@ -428,35 +456,10 @@ def pressure_of_rows(
             f"given {rows.values[least]:g}; allowed is what gives an absolute pressure above zero, because "
             "no gas has less",
         )
-    _check_peak(rows, pressure, cycles[cycle_strokes], ENGINE if fires else COMPRESSOR)
+    peak = ENGINE if fires else COMPRESSOR
+    peak.check(rows, pressure, cycles[cycle_strokes])
     return gas_pressure(
         pressure, cycle_strokes, source=rows.source, remarks=remarks, angles_deg=rows.angles
-    )
-
-
-def _check_peak(rows: SampleRows, pressure: Array, cycle: float, allowed: Peak) -> None:
-    index = int(np.argmax(pressure))
-    if not allowed.lowest <= pressure[index] <= allowed.highest:
-        raise rows.value_error(
-            index,
-            f"given a peak of {rows.values[index]:g}, which is {pressure[index] / 1e6:g} MPa absolute; "
-            f"allowed are {allowed.lowest / 1e6:g} to {allowed.highest / 1e6:g} MPa, because any other comes "
-            "from a wrong unit in the header",
-        )
-
-    def fits(angle: float, range_: Peak = allowed) -> bool:
-        return (angle - range_.earliest) % cycle <= range_.latest - range_.earliest
-
-    peak, half = float(rows.angles[index]), cycle / 2.0
-    if fits(peak):
-        return
-    hint = f"; the table looks shifted by {half:g} deg" if fits(peak + half) else ""
-    if allowed is ENGINE and cycle == cycle_degrees(2) and fits(peak, COMPRESSOR):
-        hint += "; a compressor, whose pressure is highest before the top, needs engine.driven_by"
-    raise rows.angle_error(
-        index,
-        f"given the highest pressure at {peak:g} deg; allowed is a peak from {allowed.earliest:g} to "
-        f"{allowed.latest:g} deg, because {allowed.why}{hint}",
     )
 
 

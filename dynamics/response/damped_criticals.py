@@ -364,6 +364,32 @@ class _Maxima(NamedTuple):
         """Return some of them."""
         return _Maxima._make(column[which] for column in self)
 
+    def together(self, share: Array, near: Array) -> list[NDArray[np.intp]]:
+        """Return the indices of the maxima of each critical speed: about one with most others near it.
+
+        Of each place one belongs to it: two maxima of one place are two critical speeds.
+        """
+        groups = []
+        for order in np.unique(self.orders):
+            left = np.flatnonzero(self.orders == order)
+            left = left[np.argsort(-share[left], kind="stable")]
+            apart = np.abs(self.speeds[left] - self.speeds[left, np.newaxis])
+            close = apart <= near[left, np.newaxis]
+            while left.size:
+                middle = int(np.argmax(np.count_nonzero(close, axis=1)))
+                members = np.flatnonzero(close[middle])
+                members = members[np.argsort(apart[middle, members], kind="stable")]
+                _, firsts = np.unique(self.places[left[members]], return_index=True)
+                taken = members[firsts]
+                groups.append(left[taken])
+                kept = np.setdiff1d(np.arange(left.size), taken)
+                left, apart, close = (
+                    left[kept],
+                    apart[np.ix_(kept, kept)],
+                    close[np.ix_(kept, kept)],
+                )
+        return groups
+
 
 def _largest(maxima: _Maxima, counted: Flags, places: int) -> Array:
     """Return the largest value of each place among the counted maxima, 0 without one."""
@@ -590,7 +616,7 @@ class _Vibration:
         scale = scales[maxima.places]
         share = np.divide(maxima.values, scale, out=np.ones(scale.size), where=scale > 0.0)
         share = np.minimum(share, 1.0)
-        groups = _together(maxima, share, near)
+        groups = maxima.together(share, near)
         # Values beside the largest of their kind, since loads and motions have different units.
         kind = kinds[maxima.places]
         size = np.divide(maxima.values, kind, out=np.ones(kind.size), where=kind > 0.0)
@@ -674,29 +700,6 @@ class _Made(NamedTuple):
     def chosen(self, which: Flags) -> "_Made":
         """Return that of some maxima."""
         return _Made._make(column[which] for column in self)
-
-
-def _together(maxima: _Maxima, share: Array, near: Array) -> list[NDArray[np.intp]]:
-    """Return the indices of the maxima of each critical speed: about one with most others near it.
-
-    Of each place one belongs to it: two maxima of one place are two critical speeds.
-    """
-    groups = []
-    for order in np.unique(maxima.orders):
-        left = np.flatnonzero(maxima.orders == order)
-        left = left[np.argsort(-share[left], kind="stable")]
-        apart = np.abs(maxima.speeds[left] - maxima.speeds[left, np.newaxis])
-        close = apart <= near[left, np.newaxis]
-        while left.size:
-            middle = int(np.argmax(np.count_nonzero(close, axis=1)))
-            members = np.flatnonzero(close[middle])
-            members = members[np.argsort(apart[middle, members], kind="stable")]
-            _, firsts = np.unique(maxima.places[left[members]], return_index=True)
-            taken = members[firsts]
-            groups.append(left[taken])
-            kept = np.setdiff1d(np.arange(left.size), taken)
-            left, apart, close = left[kept], apart[np.ix_(kept, kept)], close[np.ix_(kept, kept)]
-    return groups
 
 
 def _golden_section(at: Callable[[Array], Array], low: Array, high: Array) -> Array:

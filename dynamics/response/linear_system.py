@@ -379,7 +379,15 @@ def damped(
         "absolute", dampings.get("absolute"), chain.inertia.size, unit, "damping takes energy away"
     )
     losses = of_elements("loss_factor", dampings.get("loss_factor"), chain, unit="")
-    inverse = _inverse_magnifiers(dampings.get("element_magnifier"), chain)
+    magnifiers = of_elements(
+        "element_magnifier", dampings.get("element_magnifier"), chain, unit="", missing=np.inf
+    )
+    if np.any(magnifiers == 0.0):
+        raise InputError(
+            f"element_magnifier[{np.flatnonzero(magnifiers == 0.0)[0]}]: given 0; allowed are finite "
+            "numbers of more than zero, because the loss factor is their inverse."
+        )
+    inverse = np.asarray(1.0 / magnifiers)
     by_place = {
         "absolute": f"absolute damping at nodes, up to {_largest(at_nodes):g} {unit}",
         "relative": f"relative damping of elements, up to {_largest(between):g} {unit}",
@@ -488,13 +496,3 @@ def of_elements(
 
 def _largest(values: Array) -> float:
     return float(np.max(values, initial=0.0))
-
-
-def _inverse_magnifiers(values: ArrayLike | Mapping[int, float] | None, chain: Chain) -> Array:
-    magnifiers = of_elements("element_magnifier", values, chain, unit="", missing=np.inf)
-    if np.any(magnifiers == 0.0):
-        raise InputError(
-            f"element_magnifier[{np.flatnonzero(magnifiers == 0.0)[0]}]: given 0; allowed are finite "
-            "numbers of more than zero, because the loss factor is their inverse."
-        )
-    return np.asarray(1.0 / magnifiers)

@@ -560,6 +560,44 @@ class TurningState:
             **options,
         )
 
+    def turn(
+        self,
+        time: float,
+        last: float,
+        now: Array,
+        method: IntegrationMethod,
+        samples: int,
+    ) -> tuple[float, Array, Array, bool]:
+        """Integrate about one revolution; return its end, times (m,), states (m, ...), whether it stops."""
+        chain, count = self.chain, self.chain.even.size
+        speed = float(now[count : 2 * count] @ chain.momentum)
+        span = 2.0 * np.pi / speed
+        # What is left of the time in even parts, so that no sliver remains at the end.
+        until = time + (last - time) / max(1, math.ceil((last - time) / span * (1.0 - 1e-9)))
+        if last - until < 1e-9 * span:
+            until = last
+
+        def stops(_time: float, values: Array) -> float:
+            return float(values[count : 2 * count] @ chain.momentum) - STOPPED * speed
+
+        stops.terminal = True  # type: ignore[attr-defined]  # scipy reads this of the function itself
+        times = np.linspace(time, until, samples + 1)[1:]
+        evaluated = evaluation_counter(
+            lambda now: _not_followed(last, now, MANY_STEPS), MOST_EVALUATIONS
+        )
+        solution = self.integrate(
+            now[np.newaxis], (time, until), method, evaluated, t_eval=times, events=[stops]
+        )
+        if solution.status < 0:
+            raise _not_followed(last, time, str(solution.message).rstrip("."))
+        passed, rows = np.asarray(solution.t), np.asarray(solution.y).reshape(now.size, -1).T
+        if solution.status == 1:
+            ended = float(solution.t_events[0][0])
+            if not passed.size or passed[-1] < ended:
+                passed, rows = np.append(passed, ended), np.vstack((rows, solution.y_events[0][0]))
+            return ended, passed, rows, True
+        return until, passed, rows, False
+
 
 def check_method(method: str) -> None:
     """Refuse an unknown method of integration."""
@@ -945,7 +983,7 @@ def turn_under_gas(
             while time < last and not stopped:
                 if len(done) > MOST_TURNS:
                     raise too_many_turns(end, MOST_TURNS)
-                until, passed, rows, stopped = _turn(state, time, last, now, method, samples)
+                until, passed, rows, stopped = state.turn(time, last, now, method, samples)
                 done.append((passed, rows))
                 time, now = until, rows[-1]
                 if progress is not None:
@@ -962,45 +1000,6 @@ def turn_under_gas(
         finished,
         "" if finished else f"{how} at {reached:.6g} s of {end:.6g} s.",
     )
-
-
-def _turn(
-    state: TurningState,
-    time: float,
-    last: float,
-    now: Array,
-    method: IntegrationMethod,
-    samples: int,
-) -> tuple[float, Array, Array, bool]:
-    """Integrate about one revolution; return its end, times (m,), states (m, ...), whether it stops."""
-    chain, count = state.chain, state.chain.even.size
-    speed = float(now[count : 2 * count] @ chain.momentum)
-    span = 2.0 * np.pi / speed
-    # What is left of the time in even parts, so that no sliver remains at the end.
-    until = time + (last - time) / max(1, math.ceil((last - time) / span * (1.0 - 1e-9)))
-    if last - until < 1e-9 * span:
-        until = last
-
-    def stops(_time: float, values: Array) -> float:
-        return float(values[count : 2 * count] @ chain.momentum) - STOPPED * speed
-
-    stops.terminal = True  # type: ignore[attr-defined]  # scipy reads this of the function itself
-    times = np.linspace(time, until, samples + 1)[1:]
-    evaluated = evaluation_counter(
-        lambda now: _not_followed(last, now, MANY_STEPS), MOST_EVALUATIONS
-    )
-    solution = state.integrate(
-        now[np.newaxis], (time, until), method, evaluated, t_eval=times, events=[stops]
-    )
-    if solution.status < 0:
-        raise _not_followed(last, time, str(solution.message).rstrip("."))
-    passed, rows = np.asarray(solution.t), np.asarray(solution.y).reshape(now.size, -1).T
-    if solution.status == 1:
-        ended = float(solution.t_events[0][0])
-        if not passed.size or passed[-1] < ended:
-            passed, rows = np.append(passed, ended), np.vstack((rows, solution.y_events[0][0]))
-        return ended, passed, rows, True
-    return until, passed, rows, False
 
 
 def _not_followed(end: float, reached: float, why: str) -> InputError:

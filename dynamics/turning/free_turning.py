@@ -509,7 +509,31 @@ def turn_freely(
                 f"the duration of {end:g} s or less, because the motion is known there."
             )
     states, stop_time = _integrated(moments, (first, speed), end, shown)
-    return _assembled(moments, shown, states, stop_time)
+    angle, speeds, *works = states
+    time, remark = shown, ""
+    if stop_time is not None:
+        time = np.append(shown[: angle.size - 1], stop_time)
+        place = f"at a shaft angle of {math.degrees(angle[-1]):.6g} deg"
+        remark = (
+            f"The engine stops after {stop_time:.6g} s {place}, because what brakes it outweighs what "
+            "drives it."
+        )
+        if stop_time == 0.0:
+            remark = f"The engine does not start {place}, because nothing drives it enough."
+    at_times = [moments.at(*both) for both in zip(angle.tolist(), speeds.tolist(), strict=True)]
+    shares = np.array([each for each, _, _ in at_times]).T
+    inertia, inertia_slope = np.array([rest for _, *rest in at_times]).T
+    accounts = [WorkShare(read_only(m), read_only(w)) for m, w in zip(shares, works, strict=True)]
+    acceleration = (shares.sum(axis=0) - 0.5 * inertia_slope * speeds**2) / inertia
+    return FreeTurning(
+        time=read_only(time),
+        angle_deg=read_only(np.degrees(angle)),
+        speed=read_only(speeds),
+        acceleration=read_only(acceleration),
+        kinetic_energy=read_only(0.5 * inertia * speeds**2),
+        **dict(zip(SHARES, accounts, strict=True)),
+        remark=remark,
+    )
 
 
 def _integrated(
@@ -615,36 +639,6 @@ class _Strokes:
                 f"cannot be followed any longer ({reason})."
             )
         return motion
-
-
-def _assembled(
-    moments: ShaftMoments, shown: Array, states: Array, stop_time: float | None
-) -> FreeTurning:
-    angle, speed, *works = states
-    time, remark = shown, ""
-    if stop_time is not None:
-        time = np.append(shown[: angle.size - 1], stop_time)
-        place = f"at a shaft angle of {math.degrees(angle[-1]):.6g} deg"
-        remark = (
-            f"The engine stops after {stop_time:.6g} s {place}, because what brakes it outweighs what "
-            "drives it."
-        )
-        if stop_time == 0.0:
-            remark = f"The engine does not start {place}, because nothing drives it enough."
-    at_times = [moments.at(*place) for place in zip(angle.tolist(), speed.tolist(), strict=True)]
-    shares = np.array([each for each, _, _ in at_times]).T
-    inertia, inertia_slope = np.array([rest for _, *rest in at_times]).T
-    accounts = [WorkShare(read_only(m), read_only(w)) for m, w in zip(shares, works, strict=True)]
-    acceleration = (shares.sum(axis=0) - 0.5 * inertia_slope * speed**2) / inertia
-    return FreeTurning(
-        time=read_only(time),
-        angle_deg=read_only(np.degrees(angle)),
-        speed=read_only(speed),
-        acceleration=read_only(acceleration),
-        kinetic_energy=read_only(0.5 * inertia * speed**2),
-        **dict(zip(SHARES, accounts, strict=True)),
-        remark=remark,
-    )
 
 
 def turn_steadily(

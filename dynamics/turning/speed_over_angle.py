@@ -356,6 +356,35 @@ class _Shaft:
         """Return whether the shaft, almost at rest, is not driven on at one of the angles."""
         return any(self.moment_at(self.speed(self.least, angle), angle) <= 0.0 for angle in angles)
 
+    def collocated(self, begin: float, step: float, energy: float) -> tuple[float, float] | None:
+        """Return energy and time of a single step, None if it does not converge or uses up all energy."""
+        angles = [begin + stage * step for stage in STAGES]
+        inertias = [checked_inertia(self.inertia(angle), angle) for angle in angles]
+        energies = [energy] * len(STAGES)
+        change = math.inf
+        for _ in range(ROUNDS):
+            if min(energies) <= self.least:
+                return None
+            speeds = [math.sqrt(2.0 * e / i) for e, i in zip(energies, inertias, strict=True)]
+            moments = [
+                self.moment_at(speed, angle) for speed, angle in zip(speeds, angles, strict=True)
+            ]
+            earlier, before = change, energies
+            energies = [energy + step * _weighted(weights, moments) for weights in INNER]
+            change = max(abs(new - old) for new, old in zip(energies, before, strict=True))
+            if change <= SETTLED * energy:
+                break
+            if change >= earlier:
+                if change > ROUGH * energy:
+                    return None
+                break
+        else:
+            return None
+        after = energy + step * _weighted(OUTER, moments)
+        if min(after, *energies) <= self.least:
+            return None
+        return after, step * _weighted(OUTER, [1.0 / speed for speed in speeds])
+
 
 class UnsettledError(InputError):
     """The moment is so steep in the speed that the iteration fails in the shortest steps."""
@@ -400,7 +429,7 @@ def _energy_after_step(
     """Return the energy after a step and its duration, halving the step if necessary."""
     # An energy that falls to zero does not prove that the shaft stops: too long a step with a
     # steep moment does the same. Near a true stop the steps become short, and at rest this remains.
-    after = _collocated(shaft, begin, step, energy)
+    after = shaft.collocated(begin, step, energy)
     if after is not None:
         return after
     if halvings > 0:
@@ -416,38 +445,6 @@ def _energy_after_step(
         f"{shaft.speed(energy, begin):.6g} rad/s in steps of {math.degrees(step):.2g} deg; allowed is "
         "one that changes less steeply with the speed, because either follows from the other."
     )
-
-
-def _collocated(
-    shaft: _Shaft, begin: float, step: float, energy: float
-) -> tuple[float, float] | None:
-    """Return energy and time of a single step, None if it does not converge or uses up all energy."""
-    angles = [begin + stage * step for stage in STAGES]
-    inertias = [checked_inertia(shaft.inertia(angle), angle) for angle in angles]
-    energies = [energy] * len(STAGES)
-    change = math.inf
-    for _ in range(ROUNDS):
-        if min(energies) <= shaft.least:
-            return None
-        speeds = [math.sqrt(2.0 * e / i) for e, i in zip(energies, inertias, strict=True)]
-        moments = [
-            shaft.moment_at(speed, angle) for speed, angle in zip(speeds, angles, strict=True)
-        ]
-        earlier, before = change, energies
-        energies = [energy + step * _weighted(weights, moments) for weights in INNER]
-        change = max(abs(new - old) for new, old in zip(energies, before, strict=True))
-        if change <= SETTLED * energy:
-            break
-        if change >= earlier:
-            if change > ROUGH * energy:
-                return None
-            break
-    else:
-        return None
-    after = energy + step * _weighted(OUTER, moments)
-    if min(after, *energies) <= shaft.least:
-        return None
-    return after, step * _weighted(OUTER, [1.0 / speed for speed in speeds])
 
 
 def _weighted(weights: tuple[float, ...], values: list[float]) -> float:
