@@ -104,11 +104,15 @@ def repetition(
 def used_files(files: Sequence[InputFile]) -> tuple[UsedFile, ...]:
     """Read the files of a run, the engine file first, in their present state."""
     used = []
+    folders = [folder.absolute() for folder in (files[0].path.parent, data_folder() / "tables")]
     for file in files:
         content = file.content(LARGEST_TABLE_FILE, "an input file")
         text = content.decode("utf-8", errors="replace")
         quoted = text if len(text) <= LONGEST_QUOTED else None
-        name = _relative_name(files[0].path, file.path)
+        # With its folders; a shipped table without.
+        path = file.path.absolute()
+        inside = [path.relative_to(folder) for folder in folders if path.is_relative_to(folder)]
+        name = (inside[0] if inside else file.path).as_posix()
         used.append(UsedFile(name, hashlib.sha256(content).hexdigest(), quoted))
     return tuple(used)
 
@@ -123,14 +127,6 @@ def run_command(name: str) -> str:
     """
     # What begins with a dash would be taken for an option.
     return f"crankfem run {shlex.quote(f'./{name}' if name.startswith('-') else name)}"
-
-
-def _relative_name(engine_file: Path, path: Path) -> str:
-    """Name of a file for use in the engine file: with its folders, a shipped table without."""
-    for folder in (engine_file.parent, data_folder() / "tables"):
-        if path.absolute().is_relative_to(folder.absolute()):
-            return path.absolute().relative_to(folder.absolute()).as_posix()
-    return path.as_posix()
 
 
 def installed_version(name: str) -> str | None:

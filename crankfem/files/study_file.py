@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import Field, StrictBool, field_validator, model_validator
@@ -136,21 +137,17 @@ def _read_column(
                 )
         return [float(factor.labels.index(text)) for _, text in texts], factor
     unit = "" if field is None else field.unit
-    values = [
-        _cell(text, unit, unit_text, f"study.file: {name} in line {number} of {file}")
-        for number, text in texts
-    ]
+    values = []
+    for number, text in texts:
+        setting: object = text
+        if unit:
+            setting = f"{text} {unit_text}" if unit_text else text
+        else:
+            with suppress(ValueError):
+                setting = float(text)
+        place = f"study.file: {name} in line {number} of {file}"
+        values.append(parse_quantity(setting, unit, place))
     return values, wanted.get(name) or Factor(name, unit, min(values), max(values))
-
-
-def _cell(text: str, unit: str, unit_text: str, name: str) -> float:
-    if unit:
-        return parse_quantity(f"{text} {unit_text}" if unit_text else text, unit, name)
-    try:
-        number: object = float(text)
-    except ValueError:
-        number = text
-    return parse_quantity(number, "", name)
 
 
 # In place of a number of runs.

@@ -122,35 +122,32 @@ def run_engine(
         ResultStore(folder / STORE).close()
     make_folders(folder, PICTURES)
     with the_only_run(folder), recording_run_files(), protected(*read):
-        return _run(inputs, folder, workers, reporter)
+        with Renderings() as renderings:
+            computed = _compute(inputs, folder / STORE, workers, reporter, renderings)
+            results = run_results(
+                computed, repetition(inputs.files, reporter.seconds, inputs.option)
+            )
+            record = with_units(results)
+            replace_last_run(folder, record)
+            if computed.study is not None:
+                computed.study.model.save(folder / MODEL)
 
-
-def _run(inputs: RunInputs, folder: Path, workers: int, reporter: TimedProgress) -> RunResult:
-    """Compute, and fill the folder."""
-    with Renderings() as renderings:
-        computed = _compute(inputs, folder / STORE, workers, reporter, renderings)
-        results = run_results(computed, repetition(inputs.files, reporter.seconds, inputs.option))
-        record = with_units(results)
-        replace_last_run(folder, record)
-        if computed.study is not None:
-            computed.study.model.save(folder / MODEL)
-
-        reporter.step("Drawing pictures")
-        drawn = draw_run(folder, computed, results, renderings, reporter.note)
-        reporter.stop()
-    results = replace(
-        results,
-        pictures=drawn.static,
-        interactive=drawn.interactive,
-        picture_note=" ".join(drawn.notes) or None,
-        repeat=repetition(inputs.files, reporter.seconds, inputs.option),
-    )
-    reporter.step("Writing the report")
-    # A page shows what is stored, now as when it is written again.
-    record |= attributes(results, "pictures", "interactive", "picture_note", "repeat")
-    stored = RunResults.from_json(write_results(folder, record).read_bytes())
-    report = write_report(stored, folder / PICTURES, folder / REPORT)
-    return RunResult(folder, report, results)
+            reporter.step("Drawing pictures")
+            drawn = draw_run(folder, computed, results, renderings, reporter.note)
+            reporter.stop()
+        results = replace(
+            results,
+            pictures=drawn.static,
+            interactive=drawn.interactive,
+            picture_note=" ".join(drawn.notes) or None,
+            repeat=repetition(inputs.files, reporter.seconds, inputs.option),
+        )
+        reporter.step("Writing the report")
+        # A page shows what is stored, now as when it is written again.
+        record |= attributes(results, "pictures", "interactive", "picture_note", "repeat")
+        stored = RunResults.from_json(write_results(folder, record).read_bytes())
+        report = write_report(stored, folder / PICTURES, folder / REPORT)
+        return RunResult(folder, report, results)
 
 
 def _compute(

@@ -288,7 +288,19 @@ def shaft_surroundings(
     supports = [AxialSupport(thrust.section_index, thrust.stiffness)]
     if damper is not None:
         supports.append(AxialSupport(0, damper.stiffness, damper.damping))
-    held, first = (bearings, ()) if bearings is not None else _bearings(engine_file)
+    held = bearings
+    first: Remarks = ()
+    if held is None:
+        stated = engine_file.main_bearings
+        held = MainBearings(stated.stiffness, stated.damping, stated.variation)
+        if not engine_file.bearings:
+            first = (
+                "main bearings are assumed to have a lateral stiffness of "
+                f"{amount(stated.stiffness, 'N/m', 3)} each "
+                f"(range {wording.stiffness_range(stated.lowest, stated.highest)}), "
+                f"{amount(ASSUMED_PER_DIAMETER, 'N/m')} per m of journal diameter, and no damping; "
+                "give the section [bearings]",
+            )
     flywheel, second = _flywheel(engine_file)
     free_end, third = _free_end(engine_file)
     around = ShaftSurroundings(
@@ -321,18 +333,6 @@ def _line(engine_file: EngineFile) -> Remarks:
     return wording.line_bends(
         beam.length, beam.bearings, given_places, given_stiffness, ASSUMED_PER_DIAMETER, without
     )
-
-
-def _bearings(engine_file: EngineFile) -> tuple[MainBearings, Remarks]:
-    held = engine_file.main_bearings
-    assumed = (
-        f"main bearings are assumed to have a lateral stiffness of {amount(held.stiffness, 'N/m', 3)} each "
-        f"(range {wording.stiffness_range(held.lowest, held.highest)}), "
-        f"{amount(ASSUMED_PER_DIAMETER, 'N/m')} per m of journal diameter, and no damping; "
-        "give the section [bearings]"
-    )
-    around = MainBearings(held.stiffness, held.damping, held.variation)
-    return around, () if engine_file.bearings else (assumed,)
 
 
 def flywheel_overhang(engine_file: EngineFile) -> tuple[float, bool]:

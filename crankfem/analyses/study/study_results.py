@@ -99,10 +99,6 @@ def response_parts(fits: ResponseFits, name: str, form: str | None = None) -> Pa
         yield f"Not fitted: {line}"
     yield from fit_parts(shown)
     yield LACK_OF_FIT
-    yield from _effects(fits, words)
-
-
-def _effects(fits: ResponseFits, response: str) -> Parts:
     effects = fits.sensitivities
     assert effects is not None
     first, total, shapley = (
@@ -120,7 +116,7 @@ def _effects(fits: ResponseFits, response: str) -> Parts:
         return "" if slope is None else f"{round(slope, 3) + 0.0:+.3f}"
 
     yield Table.of_records(
-        f"Sensitivity of the {response} by the chosen equation",
+        f"Sensitivity of the {words} by the chosen equation",
         effects.nominal,
         (Column("factor", words=True), str),
         (Column("nominal"), nominal),

@@ -611,7 +611,23 @@ def assess(
                     ],
                 )
             tried = dict(sorted(tried.items()))
-            trials += _source_trials(engine_file, vibration, tried)
+            ranged = getattr(engine_file.ranges, f"{vibration.kind}_compliance", None) is not None
+            source = SOURCES.get(chosen.source, chosen.source)
+            # By the factor on the compliances of this kind, 1 for those used.
+            trials += tuple(
+                Trial(
+                    field=f"ranges.{vibration.kind}_compliance"
+                    if ranged
+                    else f"vibration.{vibration.kind}_source",
+                    name=f"{vibration.kind} compliance, ratio to that by {source}",
+                    value=factor,
+                    unit="",
+                    status=status_by(ranges),
+                    taken=factor == 1.0,
+                    why="the range given" if ranged else "the error of its source",
+                )
+                for factor, ranges in tried.items()
+            )
             barred = _joined([ranges_to_bar(ranges) for ranges in tried.values()])
         uncertain[vibration.kind] = _uncertainty(engine_file, answer, spreads, held, barred)
     return Assessment(
@@ -621,26 +637,6 @@ def assess(
         remarks=remarks,
         uncertainty=uncertain,
         beside=unmodeled_plant(engine_file),
-    )
-
-
-def _source_trials(
-    engine_file: EngineFile, vibration: Vibration, tried: Mapping[float, Sequence[BarredRange]]
-) -> tuple[Trial, ...]:
-    """The status by the factor on the compliances of one kind, 1 for those used."""
-    kind, source = vibration.kind, vibration.chosen.source
-    ranged = getattr(engine_file.ranges, f"{kind}_compliance", None) is not None
-    return tuple(
-        Trial(
-            field=f"ranges.{kind}_compliance" if ranged else f"vibration.{kind}_source",
-            name=f"{kind} compliance, ratio to that by {SOURCES.get(source, source)}",
-            value=factor,
-            unit="",
-            status=status_by(ranges),
-            taken=factor == 1.0,
-            why="the range given" if ranged else "the error of its source",
-        )
-        for factor, ranges in tried.items()
     )
 
 

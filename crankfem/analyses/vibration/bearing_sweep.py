@@ -301,13 +301,31 @@ def with_answers(
 
     Speeds are those of a coarse grid; resonances are found between them.
     """
-    nominal = len(each) // 2
-    return tuple(
-        chains
-        if place == nominal
-        else replace(chains, answers=_answers(engine_file, chains, harmonics))
-        for place, chains in enumerate(each)
-    )
+    nominal, changed = len(each) // 2, []
+    for place, held in enumerate(each):
+        if place == nominal:
+            changed.append(held)
+            continue
+        chains = EngineChains.of(engine_file, held.axial, held.torsional, held.shaft)
+        low, high = ends = calculated_range(engine_file)
+        marked = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
+        tried = [np.linspace(low, high, POINTS), np.clip(marked, low, high)]
+        axial, torsional = (damped.system for damped in chains.damped)
+        for system in (torsional, axial) if judges_axial(engine_file) else (torsional,):
+            ratios = system.damping_ratios()
+            tried += [
+                critical.speed * (1.0 + ratios[critical.mode] * NEAR)
+                for critical in critical_speeds(system.elastic_frequencies, harmonics.orders, ends)
+            ]
+        speeds = np.unique(np.concatenate(tried))
+        speeds = speeds[(speeds >= low) & (speeds <= high)]
+        speeds = speeds[np.diff(speeds, prepend=0.0) > 1e-9 * speeds]
+        lengthened, twisted = (
+            replace(forced, resonances=resonances_of(engine_file, forced))
+            for forced in vibrations_at(chains, harmonics, speeds)
+        )
+        changed.append(replace(held, answers=(lengthened, twisted)))
+    return tuple(changed)
 
 
 def answers_by_chain(
@@ -348,28 +366,3 @@ def _followed(
     main = int(np.nanargmax(np.where(np.isnan(alike[nominal]), -1.0, alike[nominal])))
     others = [branch for branch in np.flatnonzero(there).tolist() if branch != main]
     return frequencies[:, main], frequencies[:, others].T
-
-
-def _answers(
-    engine_file: EngineFile, held: HeldChains, harmonics: CylinderHarmonics
-) -> tuple[ForcedVibration, ForcedVibration]:
-    """Return the forced vibration in bearings of one stiffness, at a coarse grid of speeds."""
-    chains = EngineChains.of(engine_file, held.axial, held.torsional, held.shaft)
-    low, high = ends = calculated_range(engine_file)
-    marked = (*assessment_end_speeds(engine_file), *bending_speeds(engine_file))
-    tried = [np.linspace(low, high, POINTS), np.clip(marked, low, high)]
-    axial, torsional = (damped.system for damped in chains.damped)
-    for system in (torsional, axial) if judges_axial(engine_file) else (torsional,):
-        ratios = system.damping_ratios()
-        tried += [
-            critical.speed * (1.0 + ratios[critical.mode] * NEAR)
-            for critical in critical_speeds(system.elastic_frequencies, harmonics.orders, ends)
-        ]
-    speeds = np.unique(np.concatenate(tried))
-    speeds = speeds[(speeds >= low) & (speeds <= high)]
-    speeds = speeds[np.diff(speeds, prepend=0.0) > 1e-9 * speeds]
-    lengthened, twisted = (
-        replace(forced, resonances=resonances_of(engine_file, forced))
-        for forced in vibrations_at(chains, harmonics, speeds)
-    )
-    return lengthened, twisted

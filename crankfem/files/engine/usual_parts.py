@@ -238,7 +238,17 @@ def part_warnings(scale: EngineScale) -> Iterator[InputWarning]:
     yield from near_angles("shaft.throw_angles", None if shaft is None else shaft.throw_angles)
     yield from near_angles("engine.bank_angles", engine.bank_angles)
     yield from _counterweights(scale)
-    yield from _driven(scale)
+    driven = scale.part("driven")
+    if driven is not None:
+        usual, beside = DRIVEN, scale.value("engine")
+        if engine.drives == "generator":
+            usual, beside = ROTOR, ROTOR_SCALE * scale.torque ** (5.0 / 3.0)
+        inertia, stiffness = driven.inertia, driven.coupling_stiffness
+        yield from usual.warning_of("driven.inertia", inertia, "kg m^2", inertia / beside)
+        coupling = RUBBER if driven.loss_factor >= DAMPS else ANY_COUPLING
+        yield from coupling.warning_of(
+            "driven.coupling_stiffness", stiffness, "N m/rad", stiffness / scale.torque
+        )
     yield from (warning for warning, twice in first_nodes(scale.file) if twice)
 
 
@@ -253,22 +263,6 @@ RUBBER = Practice(
     2.5, 60.0, "is {} the rated torque for each radian, where rubber damps", margin=1.5
 )
 ANY_COUPLING = Practice(2.5, 1000.0, "is {} the rated torque for each radian")
-
-
-def _driven(scale: EngineScale) -> Iterator[InputWarning]:
-    """Compare a driven machine and its coupling with the rated torque."""
-    driven = scale.part("driven")
-    if driven is None:
-        return
-    usual, beside = DRIVEN, scale.value("engine")
-    if scale.file.engine.drives == "generator":
-        usual, beside = ROTOR, ROTOR_SCALE * scale.torque ** (5.0 / 3.0)
-    inertia, stiffness = driven.inertia, driven.coupling_stiffness
-    yield from usual.warning_of("driven.inertia", inertia, "kg m^2", inertia / beside)
-    coupling = RUBBER if driven.loss_factor >= DAMPS else ANY_COUPLING
-    yield from coupling.warning_of(
-        "driven.coupling_stiffness", stiffness, "N m/rad", stiffness / scale.torque
-    )
 
 
 # What a line's first node may have of the flywheel's inertia before it is perhaps the flywheel itself.

@@ -442,7 +442,15 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
     ]
     views = [_View("solid", (0, 1), "drag to turn; pinch, or click and scroll, to zoom")]
     if len(middles) <= MOST_EDGES:
-        traces.append(_lines(lifted, _through(middles), size, MESH_COLOR, 1.2, "element edges"))
+        # Along element edges, through the middles of bent ones.
+        strokes = []
+        for trail in polylines(np.array(list(middles), dtype=np.int64).reshape(-1, 2)):
+            stroke = trail[:1]
+            for a, b in pairwise(trail):
+                middle = middles[min(a, b), max(a, b)]
+                stroke += [b] if middle < 0 else [middle, b]
+            strokes.append(stroke)
+        traces.append(_lines(lifted, strokes, size, MESH_COLOR, 1.2, "element edges"))
         mesh = analysis.mesh
         part = f" in the {mesh.part}, mirrored" if len(whole_nodes(mesh).images) > 1 else ""
         size_text = f"{len(mesh.elements)} tetrahedra with 10 nodes{part}; {mesh.unknowns} unknowns"
@@ -634,15 +642,3 @@ def _coordinates(points: Array, size: float) -> Part:
 
 def _xyz(values: Sequence[object]) -> Part:
     return dict(zip("xyz", values, strict=True))
-
-
-def _through(middles: dict[tuple[int, int], int]) -> list[list[int]]:
-    """Return strokes along element edges, through the middles of bent ones."""
-    strokes = []
-    for trail in polylines(np.array(list(middles), dtype=np.int64).reshape(-1, 2)):
-        stroke = trail[:1]
-        for a, b in pairwise(trail):
-            middle = middles[min(a, b), max(a, b)]
-            stroke += [b] if middle < 0 else [middle, b]
-        strokes.append(stroke)
-    return strokes
