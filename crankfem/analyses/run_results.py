@@ -63,6 +63,31 @@ class EngineFacts(Result):
     driven_by: Annotated[str | None, Quantity(left_out=True)] = None
 
 
+@result("title")
+class AddedPart(Result):
+    """A part of a report that is no part of the run: another command added it.
+
+    Attributes
+    ----------
+    figure : str
+        Name of its picture and its plot.
+    alt, caption : str
+        What is said in place of the figure, and below it.
+    sentences : tuple of str
+    heads, rows : tuple
+        Of a table, as it is printed.
+    """
+
+    title: str
+    sentences: tuple[str, ...]
+    figure: str
+    alt: str
+    caption: str
+    table_caption: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
 @result("pictures")
 class RunResults(Result):
     """All numbers of a run, and the names of its pictures.
@@ -107,6 +132,7 @@ class RunResults(Result):
     interactive: dict[str, str] = field(default_factory=dict)
     # What results say until the pictures are there.
     picture_note: str | None = "The run ended before its pictures were drawn."
+    added: Annotated[AddedPart | None, Quantity(left_out=True)] = None
 
     @property
     def findings(self) -> Part[tuple[Finding, ...]]:

@@ -80,6 +80,13 @@ def measured(
             metavar="FOLDER", help="Write the map of orders, and the overlay with its page."
         ),
     ] = None,
+    report: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Folder of a finished run of the engine: its report gets the overlay.",
+        ),
+    ] = None,
     *,
     out: Output,
 ) -> None:
@@ -98,6 +105,7 @@ def measured(
         refuse_other_speeds,
     )
     from crankfem.satellites.measured.overlay import overlay
+    from crankfem.satellites.measured.reporting import FinishedRun
     from crankfem.satellites.measured.run import MAP, OVERLAY, PAGE, MeasuredVibration
 
     file = None if engine is None else load_engine(engine)
@@ -108,12 +116,20 @@ def measured(
             f"--strokes: given {strokes}; allowed are 2 and 4 without --engine, because an engine file has "
             "its own."
         )
+    if report is not None and file is None:
+        raise InputError(
+            "--report: given without --engine; allowed are both, because it shows measured orders over those "
+            "calculated."
+        )
     cycle = (file.engine.strokes if file is not None else strokes or 4) // 2
     check_outputs(None, None, Path(record))
     tables = make_output_folder("--csv", csv, [TABLE], "table")
     drawn = make_output_folder("--pictures", pictures, [MAP, *([] if file is None else [OVERLAY])])
     if drawn is not None and file is not None:
         check_output(drawn / PAGE, "report")
+    finished = None
+    if report is not None and file is not None:
+        finished = FinishedRun.of(Path(report), file)
     with console.RunProgress(out.quiet) as progress:
         progress.step("Reading the record")
         measurement = load(
@@ -136,6 +152,9 @@ def measured(
         beside = None if file is None else overlay(measured_orders, file, progress.step)
         run = MeasuredVibration.of(Path(record).name, measured_orders, beside)
         written = [] if drawn is None else run.draw(drawn, progress.step)
+        if finished is not None:
+            progress.step("Writing the report")
+            written.append(finished.add(run))
         progress.finish()
     if tables is not None:
         written.append(write_orders(tables / TABLE, measured_orders))

@@ -1,6 +1,7 @@
 """Measured orders over an engine's: a record of its own chain, integrated apart, is found again."""
 
 import importlib.util
+import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,16 +11,23 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
+from crankfem.analyses.engine_mechanism import engine_inputs
+from crankfem.analyses.provenance import used_files
+from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
+from crankfem.jobs.run_files import write_results
+from crankfem.report.writing import render_report
 from crankfem.satellites.measured.calibration.calibrated import calibrate
 from crankfem.satellites.measured.measured_orders import MeasuredOrders
 from crankfem.satellites.measured.measurement import Measurement
 from crankfem.satellites.measured.overlay import overlay
+from crankfem.satellites.measured.reporting import FinishedRun
 from crankfem.satellites.measured.run import MeasuredVibration
 from crankfem.satellites.measured.wheel import Wheel, number_teeth
 from dynamics.response.forced import forced_response
 from refusals import refused
+from stand_ins import stored_results
 
 ENGINE = "cat-3116"
 RPM = np.pi / 30.0
@@ -128,6 +136,35 @@ def test_orders_are_drawn_and_written(tmp_path):
     assert lines["order 6"].get_ydata() == close(
         np.degrees(np.abs(steady_orders().amplitude[:, 11])), rel=1e-5
     )
+
+
+@pytest.mark.slow
+def test_the_report_of_a_run_gets_the_overlay(tmp_path):
+    engine = load_engine(ENGINE)
+    with refused("--report"):
+        FinishedRun.of(tmp_path, engine)
+    content = stored_results()
+    write_results(tmp_path, content)
+    with refused("--report"):  # it is another engine's
+        FinishedRun.of(tmp_path, engine)
+    content["repeat"]["files"] = [
+        {"name": file.name, "sha256": file.sha256, "text": None}
+        for file in used_files(engine_inputs(engine))
+    ]
+    write_results(tmp_path, content)
+    run = MeasuredVibration.of("run.csv", steady_orders(), overlay(steady_orders(), vibration()))
+    for _ in range(2):  # the second takes the place of the first
+        report = FinishedRun.of(tmp_path, engine).add(run)
+    page = report.read_text(encoding="utf-8")
+    assert page.count('<section id="added"') == 1
+    assert 'id="plot-overlay"' in page
+    assert 'id="picture-overlay"' in page
+    assert run.overlay.conclusion.split(";")[0] in page
+    # Numbers of the run stay as they are, and the report is the same when it is written again.
+    stored = json.loads((tmp_path / "results.json").read_text())
+    assert stored["vibration"] == content["vibration"]
+    again = render_report(RunResults.from_json(json.dumps(stored)), tmp_path / "pictures")[0]
+    assert again == page
 
 
 @pytest.mark.further
