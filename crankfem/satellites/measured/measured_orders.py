@@ -171,3 +171,15 @@ def largest_lag(measured: MeasuredOrders, peaks: Iterable[DampedCritical]) -> fl
     decay = np.array([peak.damping_ratio * 2.0 * np.pi * peak.mode_frequency for peak in passed])
     steepest = float(np.max(np.abs(measured.ramp)))
     return float(np.max(orders * steepest / decay**2, initial=0.0))
+
+
+def agreeing_angle(orders: Array, products: ComplexArray, tried: Array) -> float:
+    """Return the angle a [rad], of those tried, by which one set of orders turned agrees best with another.
+
+    Parameters
+    ----------
+    products : ndarray of shape (k,), complex
+        Sums over the speeds of X Y*, perhaps weighed, of the X_k that are turned by exp(-i k a).
+    """
+    turned = np.exp(-1j * np.outer(tried, orders))
+    return float(tried[np.argmax((turned @ products).real)])

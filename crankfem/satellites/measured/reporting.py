@@ -35,7 +35,7 @@ class FinishedRun:
         Raises
         ------
         InputError
-            If it is none, the engine file is another or has changed since, or files of others stand in the way.
+            If it is none, the engine file is another or has changed since, or files of others are in the way.
         """
         path = folder / RESULTS
         if not is_regular_file(path):

@@ -126,6 +126,33 @@ def test_what_does_not_fit_is_told():
 
 
 @pytest.mark.slow
+def test_the_record_of_another_engine_at_one_speed_is_doubted():
+    """Half orders alone are compared, with the mark unknown: another shipped engine leaves 70 to 75 %."""
+    made = steady_orders()
+    noise = np.random.default_rng(2).normal(size=(2, *made.amplitude.shape))
+    scatter = 0.01 * np.abs(made.amplitude)
+    record = replace(
+        made,
+        amplitude=made.amplitude + scatter * (noise[0] + 1j * noise[1]),
+        scatter=scatter,
+        wheel_constant=made.orders % 1.0 == 0.0,
+        zero_known=False,
+    ).part(slice(0, 1), made.orders <= 12.0)
+    own = overlay(record, vibration())
+    assert own.doubt == ""
+    assert own.better == 0.0
+    assert own.difference < 2.0 * own.by_scatter
+    other = overlay(record, engine_vibration("yamz-5340"))
+    assert other.difference < 1.0
+    assert other.better > 0.05
+    assert "other firing orders" in other.doubt
+    # Of the same firing order: what is left is told beside the scatter.
+    quicker = overlay(replace(record, speed=0.98 * record.speed), vibration())
+    assert quicker.better == 0.0
+    assert "at one speed" in quicker.doubt
+
+
+@pytest.mark.slow
 def test_orders_are_drawn_and_written(tmp_path):
     found = overlay(steady_orders(), vibration())
     run = MeasuredVibration.of("run.csv", steady_orders(), found)

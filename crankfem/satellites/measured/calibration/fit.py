@@ -11,7 +11,7 @@ from crankbase.array_checks import Array, ComplexArray
 from crankbase.choices import check_some
 from crankbase.errors import InputError
 from crankfem.satellites.measured.calibration.response_slopes import Excitation, Sensor, Shaft
-from crankfem.satellites.measured.measured_orders import MeasuredOrders
+from crankfem.satellites.measured.measured_orders import MeasuredOrders, agreeing_angle
 
 # The starts: the nominal values, and others drawn from the prior.
 STARTS, SEED = 6, 0
@@ -366,8 +366,7 @@ def _first_angle(problem: Problem, number: int, start: Array, sector: int | None
     tried = np.linspace(0.0, 2.0 * np.pi * measured.cycle, ANGLES, endpoint=False)
     if sector is not None:
         tried = np.array_split(tried, SECTORS)[sector]
-    agreement = (np.exp(-1j * np.outer(tried, measured.orders)) @ weighed).real
-    return float(tried[int(np.argmax(agreement))])
+    return agreeing_angle(measured.orders, weighed, tried)
 
 
 def _too_far(parameters: Array, problem: Problem) -> bool:
