@@ -144,7 +144,11 @@ def answers(count):
     for _, throw, _, paths in boxes(10**6):
         sizes = lengths_of(throw)
         factors = tuple(
-            Factor(path, "rad" if "angle" in path else "m", 0.95 * sizes[path], 1.05 * sizes[path])
+            Factor(
+                path,
+                "rad" if "angle" in path else "m",
+                *sorted((0.95 * sizes[path], 1.05 * sizes[path])),
+            )
             for path in paths[:5]
         )
         try:
