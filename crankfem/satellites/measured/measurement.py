@@ -194,7 +194,10 @@ class Measurement:
         if method == "linear":
             begins = np.arange(samples.angle[0], samples.angle[-1] - length, 0.5 * length)
             if not begins.size:
-                raise _no_window(samples, length)
+                raise InputError(
+                    f"record: given {samples.revolutions:.3g} revolutions; allowed are at least "
+                    f"{length / TURN:g}, because one window takes so many."
+                )
             ends_of = np.column_stack((begins, begins + length))
             name = f"amplitudes linear in windows of {length / TURN:g} revolutions"
             return fit_windows(samples, fitted, ends_of, linear=True), fitted, name
@@ -307,13 +310,6 @@ def _dwell(samples: Samples, orders: Array, dwell: tuple[float, float], length: 
         ramp=np.mean(fit.ramp, keepdims=True),
         amplitude=mean[None, :],
         scatter=scatter[None, :] / np.sqrt(count),
-    )
-
-
-def _no_window(samples: Samples, length: float) -> InputError:
-    return InputError(
-        f"record: given {samples.revolutions:.3g} revolutions; allowed are at least {length / TURN:g}, "
-        "because one window takes so many."
     )
 
 

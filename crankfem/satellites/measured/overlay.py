@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from crankbase.array_checks import Array, ComplexArray
+from crankbase.array_checks import ComplexArray
 from crankbase.diagrams import (
     ALL_ORDERS,
     Diagram,
@@ -57,8 +57,8 @@ CONSTANT_RANGE = 1.05
 # Peaks further apart than this are those of another shaft; an overlay with more left is no fit.
 SAME_PEAK, NO_FIT = 0.05, 1.0
 # Firing orders drawn to see whether others fit better, at so many speeds at most; of an engine's record fewer
-# than this share do (of simulated ones at one speed 80 of 84, with resonances up to 5 % off; of those of another
-# firing order 2 of 28). More than so many times what the scatter alone leaves is not explained by it.
+# than this share do (of simulated ones at one speed 80 of 84, with resonances up to 5 % off; of those of
+# another firing order 2 of 28). More than so many times what scatter alone leaves is not explained by it.
 FIRING_ORDERS, FIRING_SPEEDS, FIT_BETTER, FAR_ABOVE = 100, 12, 0.05, 3.0
 # Orders drawn, and those in the table, by their amplitude; angles of the mark that are tried.
 DRAWN, LISTED, MARK_ANGLES = 6, 8, 2880
@@ -151,7 +151,7 @@ class Overlay(Result):
         if self.better is not None and self.better > FIT_BETTER:
             return (
                 f"With {100.0 * self.better:.2g} % of other firing orders less is left: the record may be "
-                "another engine's, or the firing order, the mark's angle, the place or a resonance is another."
+                "another engine's, or firing order, angle of the mark, place or a resonance are others."
             )
         if high < CONSTANT_RANGE * low and self.difference > FAR_ABOVE * self.by_scatter:
             return (
@@ -186,7 +186,10 @@ class Overlay(Result):
                     group=group,
                 )
             )
-        together = [self._together(values) / size for values in (calculated, sensed)]
+        speeds, orders = self.measured.speed[order], self.measured.orders
+        together = [
+            synthesis(orders, speeds, values.T).amplitude / size for values in (calculated, sensed)
+        ]
         lines.append(Line(speed, together[0], "all", ALL_ORDERS, width=2.0))
         dots.append(Dots(speed, together[1], "all measured", ALL_ORDERS, "X"))
         ends = float(speed[0]), float(speed[-1])
@@ -196,10 +199,6 @@ class Overlay(Result):
             lines,
             dots,
         )
-
-    def _together(self, values: ComplexArray) -> Array:
-        speeds = np.sort(self.measured.speed)
-        return np.asarray(synthesis(self.measured.orders, speeds, values.T).amplitude)
 
     @property
     def title(self) -> str:

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.array_checks import Array, Flags, Integers
+from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError
 
 Edge = Literal["rising", "falling"]
@@ -118,7 +118,9 @@ def _crossings(samples: Array, band: Array) -> tuple[Array, Flags, int]:
     left, entered = over[turns], over[turns + 1]
     if not turns.size:
         return np.empty(0), np.empty(0, dtype=bool), 0
-    places = _between(samples, changes[np.searchsorted(changes, entered) - 1])
+    # Where lines through the samples before and after a change are zero.
+    crossed = changes[np.searchsorted(changes, entered) - 1]
+    places = crossed + samples[crossed] / (samples[crossed] - samples[crossed + 1])
     # In a gap the signal stays near zero, on any side: there the next tooth begins as others do, before it
     # enters the band.
     for direction in (slice(0, None, 2), slice(1, None, 2)):
@@ -132,9 +134,3 @@ def _crossings(samples: Array, band: Array) -> tuple[Array, Flags, int]:
         places[direction] = np.where(through, entered[direction] - usual, places[direction])
     sure = int(left[-min(SWINGS_AGAIN, left.size)])
     return places, positive[entered], sure
-
-
-def _between(samples: Array, places: Integers) -> Array:
-    """Return where lines through the samples at places and those after them are zero."""
-    before, after = samples[places], samples[places + 1]
-    return np.asarray(places + before / (before - after))

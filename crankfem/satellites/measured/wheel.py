@@ -168,7 +168,8 @@ def number_teeth(times: ArrayLike, wheel: Wheel) -> Teeth:
     number = np.concatenate(([0], np.cumsum(steps)))
     sure = np.ones(number.size, dtype=bool)
     if wheel.missing or wheel.double:
-        marks = firsts[firsts < time.size] if wheel.double else _behind_gaps(steps, wheel)
+        behind_gaps = np.flatnonzero(steps == wheel.missing + 1) + 1
+        marks = firsts[firsts < time.size] if wheel.double else behind_gaps
         number, sure = _by_marks(number, marks, steps, wheel)
     present = np.arange(number[0], number[-1] + 1) % wheel.pitches < wheel.pitches - wheel.missing
     lost = int(np.count_nonzero(present)) - number.size
@@ -240,11 +241,6 @@ def _count_whole_turns(steps: Integers, shares: Array, wheel: Wheel) -> None:
     # One with a lost tooth beside it is a pitch wider than its neighbors.
     narrow = shares[gaps] < median_filter(shares[gaps], NEIGHBORS) + 0.5
     steps[gaps[before & behind | (before | behind) & narrow]] = gap
-
-
-def _behind_gaps(steps: Integers, wheel: Wheel) -> Integers:
-    """Return the places of pulses that come after an interval as long as the gap."""
-    return np.asarray(np.flatnonzero(steps == wheel.missing + 1) + 1)
 
 
 def _by_marks(

@@ -6,7 +6,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.satellites.measured.measurement import load
-from crankfem.satellites.measured.records.reading import iter_pieces, read_record
+from crankfem.satellites.measured.records.reading import read_record
 from satellites.measured.written_records import hdf5, mat73, mdf, parquet, tdms, uff
 
 RATE = 50000.0
@@ -177,7 +177,7 @@ def test_gaps_of_parquet_are_left_out_and_time_stamps_are_seconds(tmp_path):
 def test_row_groups_of_parquet_are_no_bounds_of_pieces(tmp_path):
     columns = {"t_s": TIMES, "wheel_V": WHEEL}
     path = parquet(tmp_path / "record.parquet", columns, row_group_size=700)
-    pieces = [*iter_pieces(path, "wheel", samples=999)]
+    pieces = [*read_record(path).channel("wheel").pieces(999)]
     assert [values.size for _, values in pieces] == [*5 * [999], 5]
     assert np.array_equal(np.concatenate([values for _, values in pieces]), WHEEL)
 

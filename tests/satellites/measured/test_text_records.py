@@ -9,7 +9,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.satellites.measured.records import builder, text
-from crankfem.satellites.measured.records.reading import iter_pieces, read_record
+from crankfem.satellites.measured.records.reading import read_record
 
 WHEEL = 0.01 * np.arange(40.0) - 0.2
 
@@ -213,7 +213,7 @@ def test_a_large_text_is_read_in_pieces(tmp_path, monkeypatch, mark):
     monkeypatch.setattr(text, "TAIL", 1024)
     monkeypatch.setattr(text, "LINES", 500)
     assert len(read_record(path).channel("wheel")) == 5000
-    pieces = [*iter_pieces(path, "wheel", samples=777)]
+    pieces = [*read_record(path).channel("wheel").pieces(777)]
     assert [values.size for _, values in pieces] == [*6 * [777], 338]
     assert np.concatenate([values for _, values in pieces]).tolist() == whole.values.tolist()
     places = np.concatenate([places for places, _ in pieces])
@@ -223,7 +223,7 @@ def test_a_large_text_is_read_in_pieces(tmp_path, monkeypatch, mark):
         path.read_bytes().replace(re.findall(rb"\n(0\S+;)", path.read_bytes())[2], b";")
     )
     with pytest.raises(InputError, match=r'line 4: t \[s\]: given ""'):
-        [*iter_pieces(path, "wheel")]
+        [*read_record(path).channel("wheel").pieces()]
 
 
 def test_so_are_those_of_a_column_alone(tmp_path):

@@ -38,7 +38,9 @@ def read_tdms(path: Path, reading: RecordReading) -> Record:
         for each in channels
         if "wf_start_time" in each.properties
     ]
-    first = min(begins, key=lambda moment: (moment.seconds, moment.second_fractions), default=None)
+    first: Any = min(
+        begins, key=lambda moment: (moment.seconds, moment.second_fractions), default=None
+    )
     for group, channels in groups.items():
         beside = []
         for channel in channels:
@@ -63,17 +65,14 @@ def read_tdms(path: Path, reading: RecordReading) -> Record:
                 continue
             start = float(facts.get("wf_start_offset", 0.0))
             if "wf_start_time" in facts:
-                start += _seconds(facts["wf_start_time"], first)
+                # Fractions of TDMS time stamps are of 2^-64 s.
+                moment = facts["wf_start_time"]
+                fractions = int(moment.second_fractions) - int(first.second_fractions)
+                start += int(moment.seconds) - int(first.seconds) + fractions * 2.0**-64
             axis = facts.get("wf_xname") or "time", facts.get("wf_xunit_string") or "s"
             builder.add_even(group, series, axis, start, step)
         builder.add_columns(group, beside)
     return builder.record
-
-
-def _seconds(moment: Any, first: Any) -> float:
-    """Return the time of a TDMS time stamp after another one [s]; their fractions are of 2^-64 s."""
-    fractions = int(moment.second_fractions) - int(first.second_fractions)
-    return float(int(moment.seconds) - int(first.seconds) + fractions * 2.0**-64)
 
 
 def _tdms_column(path: Path, group: str, name: str, count: int) -> Column:

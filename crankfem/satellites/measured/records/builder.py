@@ -117,7 +117,11 @@ class RecordBuilder:
         series = [
             replace(each, heading=heading) for each, heading in zip(series, headings, strict=True)
         ]
-        axes = [each for each in series if len(series) > 1 and self._kind_of(each) != "none"]
+        axes = [
+            each
+            for each in series
+            if len(series) > 1 and axis_of(*split_heading(each.heading, each.unit)) != "none"
+        ]
         places = {id(each): self.places(each) for each in axes}
         # Evenly sampled over one of time and angle, the other one is a channel.
         chosen = next((each for each in axes if places[id(each)].even), axes[0] if axes else None)
@@ -238,9 +242,6 @@ class RecordBuilder:
                 self.notes += [f"{name}: {why}."] if why else []
             column = Column.of(continued(angles, unit))
         return PlaceSeries(name, unit, kind, column, error, series.gaps)
-
-    def _kind_of(self, series: Series) -> Axis:
-        return axis_of(*split_heading(series.heading, series.unit))
 
     def _unit_of(self, name: str, kind: str, written: str) -> str:
         """Return the unit that is given for a name, or a kind of axis, or else the one that is written."""

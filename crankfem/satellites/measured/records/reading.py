@@ -1,14 +1,14 @@
 """Reading a record: which format a file has, by its first bytes, and the library that reads it."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 
-from crankbase.array_checks import Array, positive_number
+from crankbase.array_checks import positive_number
 from crankbase.errors import InputError, MissingLibraryError, shortened
 from crankbase.input_file import not_a_file
 from crankfem.satellites.measured.records.builder import RecordReading
-from crankfem.satellites.measured.records.record import SAMPLES, Record
+from crankfem.satellites.measured.records.record import Record
 from crankfem.satellites.measured.records.text import read_text
 
 Reader = Callable[[Path, RecordReading], Record]
@@ -106,10 +106,3 @@ def _reader(file: Path, name: str, package: str, function: str) -> Reader:
         ) from None
     reader: Reader = getattr(import_module(f"{_HERE}.{module}"), function)
     return reader
-
-
-def iter_pieces(
-    path: str | Path, channel: str, group: str | None = None, *, samples: int = SAMPLES
-) -> Iterator[tuple[Array, Array]]:
-    """Read one channel in pieces: places [s or rad] and samples in SI; see `Channel.pieces`."""
-    return read_record(path).channel(channel, group).pieces(samples)

@@ -12,45 +12,15 @@ AXIS_UNITS = {"time": "s", "angle": "rad"}
 # Units in SI of what is measured, in the order in which they are tried: a kg is a mass before it is a weight,
 # and a 1/min one of turning.
 SI_UNITS = (
-    "s",
-    "rad",
-    "kg",
-    "rad/s",
-    "N m",
-    "N",
-    "Pa",
-    "m",
-    "m/s",
-    "m/s^2",
-    "rad/s^2",
-    "W",
-    "K",
-    "V",
-    "m/m",
-)
+    "s", "rad", "kg", "rad/s", "N m", "N", "Pa", "m", "m/s", "m/s^2", "rad/s^2", "W", "K", "V", "m/m",
+)  # fmt: skip
 # Spelled so, a unit is one of frequency.
 _FREQUENCY = re.compile(r"Hz|hertz|cpm|cps|Гц")
 # At the end of a name, behind "_", units are these alone: "min", "max", "a" and "in" are words there.
-_SUFFIXES = frozenset(
-    {
-        "s",
-        "ms",
-        "us",
-        "deg",
-        "rad",
-        "mrad",
-        "N",
-        "kN",
-        "Nm",
-        "kNm",
-        "Pa",
-        "kPa",
-        "MPa",
-        "bar",
-        "rpm",
-    }
-    | {"Hz", "kHz", "V", "mV", "mm", "um", "m", "kg", "W", "kW", "degC"}
-)
+_SUFFIXES = frozenset({
+    "s", "ms", "us", "deg", "rad", "mrad", "N", "kN", "Nm", "kNm", "Pa", "kPa", "MPa", "bar", "rpm", "Hz",
+    "kHz", "V", "mV", "mm", "um", "m", "kg", "W", "kW", "degC",
+})  # fmt: skip
 _QUOTIENT = re.compile(r"(.+?)\s+/\s+(\S.*)|(.+?)\s+in\s+(\S+)")
 _TIME = re.compile(r"t|x|(?:.*[\W_])?(?:time|zeit|timestamp|время)(?:[\W_].*)?", re.IGNORECASE)
 _ANGLE = re.compile(
