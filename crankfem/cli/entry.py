@@ -17,7 +17,16 @@ SIZE = re.compile("0*[1-9][0-9]{0,3}")
 
 def main() -> None:
     """Run the command line."""
-    _mend_terminal()
+    # Streams may be handed over closed, without room, or without the letters of a name.
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            # It takes the number of the closed stream, else the next file would, and libraries write there.
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+    for name in ("COLUMNS", "LINES"):
+        if not SIZE.fullmatch(os.environ.get(name, "1")):
+            del os.environ[name]
     # Dense matrices are small here. With more threads numpy's own library spends most of its time in
     # waiting: twice the processor time on two cores, and several times as long where others work too.
     # Finite elements are solved by another library, which is not bound by this.
@@ -37,16 +46,3 @@ def main() -> None:
     except KeyboardInterrupt:
         print(interrupted_sentence(), file=sys.stderr)
         raise SystemExit(EXIT_INTERRUPTED) from None
-
-
-def _mend_terminal() -> None:
-    """Make usable what may be handed over closed, without room, or without the letters of a name."""
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        if getattr(sys, name) is None:
-            # It takes the number of the closed stream, else the next file would, and libraries write there.
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
-    if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")
-    for name in ("COLUMNS", "LINES"):
-        if not SIZE.fullmatch(os.environ.get(name, "1")):
-            del os.environ[name]

@@ -61,7 +61,16 @@ def mechanism(
     from crankfem.jobs.outputs import check_outputs
     from crankfem.report.interactive.mechanism import MECHANISM
 
-    loaded, turning, models = load_mechanism(engine), parse_speed(speed), _rod_models(model)
+    loaded, turning = load_mechanism(engine), parse_speed(speed)
+    # One model, or two to be compared.
+    models = cast(list[RodModelName], model or ["rigid"])
+    for name in models:
+        check_choice("--model", name, ROD_MODELS, "these are the models of a rod's mass")
+    if len(models) > 2 or len(set(models)) < len(models):
+        raise InputError(
+            f"--model: given {', '.join(models)}; allowed are one model or two different ones, because one "
+            "is compared with the other."
+        )
     inputs = [file.path for file in engine_inputs(loaded)]
     names = [*MECHANISM.files(), *ENGINE_FILES, *([ROD_MODELS_FILE] if len(models) == 2 else [])]
     folder = check_outputs(csv, pictures, *inputs, names=names)
@@ -84,19 +93,6 @@ def mechanism(
     files = [f"Forces: {csv}"] if csv is not None else []
     files += [f"Pictures: {pictures} ({len(made)} files)"] if made else []
     out.show(details.parts(out.units), *files, details.results.answer(out.units))
-
-
-def _rod_models(names: list[str] | None) -> list[RodModelName]:
-    """Return the one model of the rods' mass, or the two to be compared."""
-    models = names or ["rigid"]
-    for model in models:
-        check_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
-    if len(models) > 2 or len(set(models)) < len(models):
-        raise InputError(
-            f"--model: given {', '.join(models)}; allowed are one model or two different ones, because one "
-            "is compared with the other."
-        )
-    return cast(list[RodModelName], models)
 
 
 USUAL_ENGINE_ORDERS = 12.0
@@ -181,6 +177,7 @@ def harmonics(
     """Split torque into harmonics M_k sin(k w t + a_k), for a table or an engine with its stars."""
     from crankfem.analyses.mechanism.torque_harmonics import COLUMNS
     from crankfem.jobs.outputs import write_rows
+    from dynamics.sample_tables import TableReading
 
     if orders is not None and not orders > 0.0:
         raise InputError(
@@ -188,7 +185,16 @@ def harmonics(
             "orders count cycles per crankshaft revolution."
         )
     firing = (firing_order, firing_angles)
-    reading = _table_reading(columns, sheet)
+    named: dict[str, int | str] = {}
+    for part in columns.split(",") if columns is not None else ():
+        name, sign, column = (word.strip() for word in part.partition("="))
+        if not sign or not column:
+            raise InputError(
+                f"--columns: given {columns!r}; allowed are names with the number or heading of their "
+                'column, such as "crank_angle_deg=1, torque_Nm=M1".'
+            )
+        named[name] = int(column) if column.isdecimal() else column
+    reading = TableReading(columns=named if columns is not None else None, sheet=sheet or "")
     asked = _Request(strokes, orders, cylinder, speed, firing, reading, csv, pictures, sums)
     split = _engine_harmonics if _names_engine(source) else _torque_table_harmonics
     spectra = split(source, asked)
@@ -201,22 +207,6 @@ def harmonics(
     *parts, answer = spectra.parts(out.units)
     files = ((csv, "Table"), (sums, "Sums"), (pictures, "Pictures"))
     out.show(parts, *(f"{kind}: {path}" for path, kind in files if path is not None), answer)
-
-
-def _table_reading(columns: str | None, sheet: str | None) -> "TableReading":
-    """Return how a table is to be read, from options."""
-    from dynamics.sample_tables import TableReading
-
-    named: dict[str, int | str] = {}
-    for part in columns.split(",") if columns is not None else ():
-        name, sign, column = (word.strip() for word in part.partition("="))
-        if not sign or not column:
-            raise InputError(
-                f"--columns: given {columns!r}; allowed are names with the number or heading of their "
-                'column, such as "crank_angle_deg=1, torque_Nm=M1".'
-            )
-        named[name] = int(column) if column.isdecimal() else column
-    return TableReading(columns=named if columns is not None else None, sheet=sheet or "")
 
 
 def _names_engine(source: str) -> bool:
