@@ -226,8 +226,11 @@ class VaryingPart:
         return replace(self, amplitudes=(speeds, amplitudes))
 
     def constants(self, w: Array, speed: Array) -> tuple[Array, ...]:
-        """Return stiffness, loss factor and damping at frequencies and speeds (m,) [rad/s]."""
-        course = self.variation
+        """Return stiffness, loss factor and damping at frequencies and speeds (m,) [rad/s].
+
+        At complex frequencies they are those of the real part.
+        """
+        course, w = self.variation, np.real(w)
         weights = [
             np.array(
                 [np.interp(self._at(name, w, speed), points, hat) for hat in np.eye(len(points))]

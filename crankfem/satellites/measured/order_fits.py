@@ -28,6 +28,8 @@ MOST_CONDITION = 10.0
 DEGREE, KNOT_SPACING = 3, 0.75
 # Weights of the amplitudes' second differences that are tried, as powers of ten.
 FIRST_WEIGHT, LEAST_WEIGHT, MOST_WEIGHT = -4, -7, 6
+# Turns on either side over which the speed changes.
+RAMP_TURNS = 4.0
 # Knots on either side of one for the condition there.
 NEAR = 3
 # Revolutions from which on what each tooth is off by is known from the residuals.
@@ -345,15 +347,17 @@ def fit_along(samples: Samples, orders: Array, at: Array) -> OrderFit:
     pairs = splines.over(solved[:, 1:], times).reshape(times.size, -1, 2)
     if of_each:
         pairs[:, orders % 1.0 == 0.0] += constants(off)[1:].reshape(-1, 2)
-    if of_wheel:
-        # The base is the rigid angle.
-        speed = splines.over(solved[:, 0], times, 1) + trend.deriv()(times)
-        ramp = splines.over(solved[:, 0], times, 2)
+    if of_wheel:  # the base is the rigid angle
+        turned, curve, straight = splines, solved[:, 0], trend.deriv()
     else:
-        turned = _Splines.of(samples, turns)
-        whole, straight = _normal(turned, np.ones((rigid.size, 1)), rigid - rigid[0])
-        curve = cho_solve_banded((cholesky_banded(whole, lower=True), True), straight[:, 0])
-        speed, ramp = turned.over(curve, times, 1), turned.over(curve, times, 2)
+        turned, straight = _Splines.of(samples, turns), np.polynomial.Polynomial([0.0])
+        whole, sides = _normal(turned, np.ones((rigid.size, 1)), rigid - rigid[0])
+        curve = cho_solve_banded((cholesky_banded(whole, lower=True), True), sides[:, 0])
+    # Twice differentiated, the base is noise: the speed changes as it does over some turns.
+    around = at + RAMP_TURNS * TURN * np.array([[-1.0], [0.0], [1.0]])
+    moments = np.interp(around, samples.angle, samples.time)
+    before, speed, after = (turned.over(curve, each, 1) + straight(each) for each in moments)
+    ramp = (after - before) / (moments[2] - moments[0])
     return OrderFit(
         speed,
         ramp,

@@ -466,35 +466,58 @@ def test_orders_without_scatter_are_refused():
         replace(record, measured=replace(record.measured, scatter=np.zeros((60, 24))))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("rate", [0.1, -0.1])
-def test_a_ramp_shifts_resonances_as_integration_in_time_does(rate):
-    """A wheel on a shaft to ground, near its resonance: the steady is off by the lag, this by 3 lag^2."""
-    inertia, stiffness, damping = 2.0, 1800.0, 6.0
-    chain = cf.Chain([inertia], [], ground=[stiffness], ground_damping=[damping])
-    speed = np.linspace(26.0, 34.0, 9)
-    ramp = np.full(speed.size, rate)
+def integrated(chain: cf.Chain, speed, rate: float):
+    """Envelope of the first node's motion at each speed of a ramp, under a force as the speed squared."""
+    rows = chain.elongations()
+    stiffness = np.diag(chain.ground) + rows.T @ (chain.stiffness[:, None] * rows)
+    damping = np.diag(chain.ground_damping) + rows.T @ (chain.damping[:, None] * rows)
+    count = len(chain.inertia)
 
-    def slope(t, state):
-        angle = w_0 * t + 0.5 * rate * t**2
-        angle_dot, force = state[1], np.cos(angle)
-        return angle_dot, (force - damping * state[1] - stiffness * state[0]) / inertia
-
-    amplitude = np.empty((speed.size, 1), dtype=complex)
-    for place, at in enumerate(speed):
-        # Begun 12 s earlier, so that nothing is left of the start; the envelope from value and velocity.
-        t_end = 12.0
+    def envelope(at: float) -> complex:
+        # Begun 12 s earlier, so that nothing is left of the start; the envelope from the motion around.
+        t_end, later = 12.0, np.linspace(-0.2, 0.2, 81)
         w_0 = at - rate * t_end
+
+        def slope(t, state):
+            x, v = state[:count], state[count:]
+            forces = -stiffness @ x - damping @ v
+            forces[0] += ((w_0 + rate * t) / 30.0) ** 2 * np.cos(w_0 * t + 0.5 * rate * t**2)
+            return np.concatenate((v, forces / chain.inertia))
+
         ended = solve_ivp(
-            slope, (0.0, t_end + 0.2), (0.0, 0.0), rtol=1e-10, atol=1e-13, dense_output=True
+            slope,
+            (0.0, t_end + 0.2),
+            np.zeros(2 * count),
+            method="DOP853",
+            rtol=1e-9,
+            atol=1e-12,
+            t_eval=t_end + later,
         )
-        later = np.linspace(-0.2, 0.2, 81)
-        times = t_end + later
-        phase = w_0 * times + 0.5 * rate * times**2
+        phase = w_0 * ended.t + 0.5 * rate * ended.t**2
         basis = np.stack((np.cos(phase), -np.sin(phase)), axis=1)
         drift = np.hstack([basis * later[:, np.newaxis] ** power for power in range(5)])
-        real, imaginary, *_ = np.linalg.lstsq(drift, ended.sol(times)[0], rcond=None)[0]
-        amplitude[place] = real + 1j * imaginary
+        real, imaginary, *_ = np.linalg.lstsq(drift, ended.y[0], rcond=None)[0]
+        return real + 1j * imaginary
+
+    return np.array([[envelope(float(at))] for at in speed])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [0.1, -0.1])
+@pytest.mark.parametrize(
+    "chain",
+    [
+        cf.Chain([2.0], [], ground=[1800.0], ground_damping=[6.0]),
+        cf.Chain([2.0, 0.5], [1200.0], ground=[1800.0, 0.0], ground_damping=[6.0, 1.5]),
+    ],
+    ids=["one mass", "two masses"],
+)
+def test_a_ramp_shifts_resonances_as_integration_in_time_does(chain, rate):
+    """The steady response is off by the lag, that in a ramp by 6 lag^3; modes decay with 1.5 1/s."""
+    peak = chain.modes().frequencies[0] * 2.0 * np.pi
+    speed = peak + np.linspace(-4.0, 4.0, 9)
+    ramp = np.full(speed.size, rate)
+    amplitude = integrated(chain, speed, rate)
     record = MeasuredOrders(
         orders=np.array([1.0]),
         speed=speed,
@@ -508,13 +531,25 @@ def test_a_ramp_shifts_resonances_as_integration_in_time_does(rate):
         cycle=2,
         zero_known=True,
     )
-    acting = Excitation(np.ones((speed.size, 1), dtype=complex), np.zeros((speed.size, 0)), ())
-    steady, moving = (
-        Problem(
-            Shaft(chain, (), 0), (Observation(replace(record, ramp=each), Sensor(0), acting),)
-        ).predicted(np.zeros(0), 0)[0]
-        for each in (0.0 * ramp, ramp)
+
+    def acting(values) -> Excitation:
+        fixed = np.zeros((speed.size, len(chain.inertia)), dtype=complex)
+        fixed[:, 0] = values
+        return Excitation(fixed, np.zeros((speed.size, 0)), ())
+
+    observation = Observation(
+        record, Sensor(0), acting((speed / 30.0) ** 2), growth=acting(2.0 * speed / 30.0**2)
     )
-    size, lag = np.max(np.abs(amplitude)), abs(rate) / (0.5 * damping / inertia) ** 2
+    steady, moving, unaware = (
+        Problem(Shaft(chain, (), 0), (each,)).predicted(np.zeros(0), 0)[0]
+        for each in (
+            replace(observation, measured=replace(record, ramp=0.0 * ramp)),
+            observation,
+            replace(observation, growth=None),
+        )
+    )
+    size, lag = np.max(np.abs(amplitude)), abs(rate) / 1.5**2
     assert np.max(np.abs(steady - amplitude)) > 0.8 * lag * size
-    assert np.max(np.abs(moving - amplitude)) < 3.2 * lag**2 * size
+    assert np.max(np.abs(moving - amplitude)) < 6.5 * lag**3 * size
+    # A force that grows adds twice the lag times the damping's share.
+    assert np.max(np.abs(unaware - amplitude)) > 1.5 * lag * (1.5 / peak) * size

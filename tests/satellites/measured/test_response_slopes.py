@@ -22,6 +22,8 @@ from dynamics.response.order_excitation import OrderExcitation
 STEP = 1e-30
 ORDERS, SPEEDS = np.array([0.5, 3.0, 4.5, 6.0]), np.linspace(60.0, 240.0, 23)
 POINTS = np.outer(SPEEDS, ORDERS).ravel(), np.repeat(SPEEDS, ORDERS.size)
+# A ramp takes the response to frequencies beside the real ones.
+BESIDE = POINTS[0] * (1.02 - 0.02j), POINTS[1]
 
 
 def excitation(nodes: int, on: tuple[int, ...], fixed: bool = True) -> Excitation:
@@ -45,7 +47,7 @@ def scaled(values, groups: tuple[Group, ...], field: str, parameters):
     return made
 
 
-def by_real_form(shaft: Shaft, parameters, sensor: Sensor, acting: Excitation):
+def by_real_form(shaft: Shaft, parameters, sensor: Sensor, acting: Excitation, points=POINTS):
     """Amplitudes by real and imaginary part, from unknowns that are real for real parameters."""
     chain = shaft.chain
     now = {
@@ -73,7 +75,7 @@ def by_real_form(shaft: Shaft, parameters, sensor: Sensor, acting: Excitation):
         modal = np.where(elastic, 2.0 * now["modal"][0] * strain / frequencies, 0.0)
         damping = damping + (mass @ modes * modal) @ (mass @ modes).T
     answers = []
-    for point, (w, speed) in enumerate(zip(*POINTS, strict=True)):
+    for point, (w, speed) in enumerate(zip(*points, strict=True)):
         forces = acting.fixed[point].astype(complex)
         held, lost, viscous = stiffness.copy(), loss.copy(), damping.copy()
         for spring in chain.varying:
@@ -91,7 +93,8 @@ def by_real_form(shaft: Shaft, parameters, sensor: Sensor, acting: Excitation):
                 share = now["loss_factor"][spring.place] / chain.loss_factor[spring.place]
                 before = spring.law.stiffness * spring.law.loss_factor
                 lost = lost + np.outer(row, row) * grown * share * (k * eta - before)
-        real, imaginary = held - w**2 * mass, lost + w * viscous
+        real = held - (w**2).real * mass - w.imag * viscous
+        imaginary = lost + w.real * viscous - (w**2).imag * mass
         whole = np.block([[real, -imaginary], [imaginary, real]])
         sides = [forces.real.astype(complex), forces.imag.astype(complex)]
         for source, node in enumerate(acting.nodes):
@@ -173,6 +176,7 @@ GROUPS = {
 CHAINS = {"six": six, "plant": damped_plant, "varying": varying_line}
 
 
+@pytest.mark.parametrize("points", [POINTS, BESIDE], ids=["steady", "in a ramp"])
 @pytest.mark.parametrize("sensor", [Sensor(0), Sensor(2), Sensor(1, "element")], ids=repr)
 @pytest.mark.parametrize(
     ("kind", "modal"),
@@ -181,7 +185,7 @@ CHAINS = {"six": six, "plant": damped_plant, "varying": varying_line}
         ("varying", 0.0),
     ],
 )
-def test_slopes_are_those_of_a_complex_step_in_real_form(kind, modal, sensor):
+def test_slopes_are_those_of_a_complex_step_in_real_form(kind, modal, sensor, points):
     chain = CHAINS[kind]()
     nodes = tuple(range(len(chain.names) - 1))[-3:]
     groups = (
@@ -195,14 +199,14 @@ def test_slopes_are_those_of_a_complex_step_in_real_form(kind, modal, sensor):
     shaft = Shaft(chain, groups, 3, abs(modal), damps)
     acting = excitation(len(chain.names), nodes)
     at = np.random.default_rng(2).normal(size=len(groups))
-    amplitudes, slopes = shaft.amplitudes(at, sensor, *POINTS, acting)
-    by_parts = by_real_form(shaft, at, sensor, acting)
+    amplitudes, slopes = shaft.amplitudes(at, sensor, *points, acting)
+    by_parts = by_real_form(shaft, at, sensor, acting, points)
     whole = by_parts[0].real + 1j * by_parts[1].real
     assert np.allclose(amplitudes, whole, rtol=1e-9, atol=1e-9 * np.abs(whole).max())
     for number, group in enumerate(groups):
         moved = at.astype(complex)
         moved[number] += 1j * STEP
-        steps = by_real_form(shaft, moved, sensor, acting).imag / STEP
+        steps = by_real_form(shaft, moved, sensor, acting, points).imag / STEP
         expected = steps[0] + 1j * steps[1]
         error = np.abs(slopes[:, number] - expected).max() / np.abs(expected).max()
         assert error < 1e-8, (group.name, error)

@@ -53,9 +53,11 @@ RANGES: dict[str, Kind] = {
 GAS = "gas torque"
 # Two orders are one within this share.
 SAME_ORDER = 1e-9
-# A ramp counts to its first order where its lag, n dOmega/dt / (zeta omega)^2, is below this: of a peak
-# three times its square is left.
+# A ramp counts where its lag, n dOmega/dt / (zeta omega)^2, is below this: of a peak six times its cube is
+# left.
 LARGEST_LAG = 0.1
+# Speeds beside each, as a share, for the change of the excitation.
+BESIDE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,11 +256,23 @@ class EngineModel:
         if lag > LARGEST_LAG:
             raise InputError(
                 f"{measured.place}: given a ramp whose resonances lag by {lag:.2f} (order times the change "
-                f"of speed over the square of a mode's decay); allowed is up to {LARGEST_LAG:g}, because the "
-                "change of speed is taken to its first order."
+                f"of speed over the square of a mode's decay); allowed is up to {LARGEST_LAG:g}, because six "
+                "times its cube is the share of a peak that is not known."
             )
         acting = self.excitation(measured.orders, measured.speed)
-        return Observation(measured, sensor, acting), tuple(remarks)
+        growth = self._growth(measured) if np.any(measured.ramp) else None
+        return Observation(measured, sensor, acting, growth=growth), tuple(remarks)
+
+    def _growth(self, measured: MeasuredOrders) -> Excitation:
+        """Return the change of the excitation with the speed, within the speeds measured."""
+        speed = measured.speed
+        ends = np.clip(np.outer((1.0 - BESIDE, 1.0 + BESIDE), speed), np.min(speed), np.max(speed))
+        slow, fast = (self.excitation(measured.orders, each) for each in ends)
+        apart = np.repeat(ends[1] - ends[0], measured.orders.size)[:, np.newaxis]
+        apart[apart == 0.0] = np.inf
+        return Excitation(
+            (fast.fixed - slow.fixed) / apart, (fast.sources - slow.sources) / apart, fast.nodes
+        )
 
     def _largest_lag(self, measured: MeasuredOrders) -> float:
         """Return how far a ramp's resonances are from steady ones, of the mode that lags most."""

@@ -27,9 +27,8 @@ NORMAL95, END_MET = 1.959964, 0.01
 PROFILE_STEPS = 6
 # Angles tried for a record whose zero is unknown, over its cycle.
 ANGLES, SECTORS = 180, 12
-# Frequencies beside that of a point, as a share, for the curvature of its amplitude: a hundredth of a
-# resonance's width.
-BESIDE = 3e-4
+# Points of Gauss's rule for a ramp.
+RAMP_POINTS = 3
 # Share of the values with which the mean square is as sure as their median is.
 MEDIAN_KNOWS = 0.37
 # With fewer values beyond the parameters than this the noise told is trusted as it is.
@@ -48,6 +47,8 @@ class Observation:
         At the points of all speeds and orders, (m k,), the orders of one speed together.
     phases : bool
         Whether phases are known; otherwise sizes alone are compared.
+    growth : Excitation, optional
+        Change of the excitation with the speed [N m s/rad], which counts in a ramp; none by default.
 
     Raises
     ------
@@ -59,6 +60,7 @@ class Observation:
     sensor: Sensor
     excitation: Excitation
     phases: bool = True
+    growth: Excitation | None = None
 
     def __post_init__(self) -> None:
         if not np.all(self.measured.scatter > 0.0):
@@ -85,10 +87,27 @@ class Observation:
         if count <= most:
             return self
         some = np.unique(np.linspace(0, count - 1, most).astype(int))
-        orders, acting = self.measured.orders.size, self.excitation
+        orders = self.measured.orders.size
         points = (some[:, np.newaxis] * orders + np.arange(orders)).ravel()
-        excitation = Excitation(acting.fixed[points], acting.sources[points], acting.nodes)
-        return replace(self, measured=self.measured.part(some), excitation=excitation)
+        return replace(
+            self,
+            measured=self.measured.part(some),
+            excitation=self.excitation.at(points),
+            growth=None if self.growth is None else self.growth.at(points),
+        )
+
+    def excited(self, off: ComplexArray) -> Excitation:
+        """Return the excitation at frequencies off the points' by (n, N) [rad/s], for all of them (n N,)."""
+        every = self.excitation.at(np.tile(np.arange(off.shape[1]), len(off)))
+        if self.growth is None:
+            return every
+        w, speeds = self.points
+        faster = (off * speeds / w)[..., np.newaxis]
+        return replace(
+            every,
+            fixed=every.fixed + (faster * self.growth.fixed).reshape(every.fixed.shape),
+            sources=every.sources + (faster * self.growth.sources).reshape(every.sources.shape),
+        )
 
 
 class Compared(NamedTuple):
@@ -147,25 +166,30 @@ class Problem:
         return y.reshape(shape), slopes.reshape(*shape, -1)
 
     def _in_a_ramp(self, parameters: Array, each: Observation) -> tuple[ComplexArray, ComplexArray]:
-        """Return the amplitudes and slopes while the speed changes, to the first order of its rate.
+        """Return the amplitudes and slopes while the speed changes.
 
         A force exp(i psi) of the frequency w, which grows at the rate a, meets an impulse response h as
-        int h(t) exp(-i w t + i a t^2 / 2) dt = H - i a / 2 d^2 H / dw^2.
+        int h(t) exp(-i w t + i a t^2 / 2) dt: the mean of H over the frequencies w + sqrt(-i a) x of a normal
+        x. Gauss's rule of n points has it up to the power n - 1 of a; of a peak n! lag^n is left.
         """
         w, speeds = each.points
-        y, dy = self.shaft.amplitudes(parameters, each.sensor, w, speeds, each.excitation)
         rate = np.outer(each.measured.ramp, each.measured.orders).ravel()
         if not np.any(rate):
-            return y, dy
-        beside = [
-            self.shaft.amplitudes(parameters, each.sensor, w * by, speeds * by, each.excitation)
-            for by in (1.0 - BESIDE, 1.0 + BESIDE)
-        ]
-        share = -0.5j * rate / (BESIDE * w) ** 2
-        curved, of_slopes = (
-            low + high - 2.0 * here for low, high, here in zip(*beside, (y, dy), strict=True)
+            return self.shaft.amplitudes(parameters, each.sensor, w, speeds, each.excitation)
+        x, weights = np.polynomial.hermite_e.hermegauss(RAMP_POINTS)
+        off = np.multiply.outer(x, np.sqrt(-1j * rate))
+        y, dy = self.shaft.amplitudes(
+            parameters,
+            each.sensor,
+            (w + off).ravel(),
+            np.tile(speeds, x.size),
+            each.excited(off),
         )
-        return y + share * curved, dy + share[:, np.newaxis] * of_slopes
+        share = weights / np.sum(weights)
+        by_point = dy.reshape(*off.shape, -1)
+        return np.einsum("n,nm->m", share, y.reshape(off.shape)), np.einsum(
+            "n,nmp->mp", share, by_point
+        )
 
     def compared(self, parameters: Array, number: int) -> Compared:
         """Return residuals and slopes of an observation, by its scatter."""
@@ -326,7 +350,7 @@ def fit(
             start[problem.angles[which]] = _first_angle(
                 thin, which, start, number - starts if number >= starts else None
             )
-        rows = _Rows(thin)
+        rows = Rows(thin)
         ends.append(
             least_squares(
                 rows.residuals, start, rows.jacobian, x_scale="jac", ftol=1e-5, max_nfev=MOST_STEPS
@@ -334,7 +358,7 @@ def fit(
         )
     best = min(ends, key=lambda end: float(end.cost)).x
     tell("Fitting to all speeds")
-    rows = _Rows(problem)
+    rows = Rows(problem)
     solution = least_squares(
         rows.residuals, best, rows.jacobian, x_scale="jac", max_nfev=MOST_STEPS
     ).x
@@ -373,7 +397,7 @@ def _too_far(parameters: Array, problem: Problem) -> bool:
     return bool(np.max(np.abs(parameters[: problem.groups])) > FARTHEST)
 
 
-class _Rows:
+class Rows:
     """All residuals without the wheels' constants, in effective deviations; the prior's come last."""
 
     def __init__(self, problem: Problem, weights: Sequence[Array] | None = None) -> None:
@@ -382,11 +406,13 @@ class _Rows:
         self._made: tuple[Array, Array] = np.zeros(0), np.zeros((0, 0))
 
     def residuals(self, parameters: Array) -> Array:
+        """Return the residuals; infinite ones too far from the prior, if there are any nearer."""
         if _too_far(parameters, self._problem):
             return np.full_like(self._made[0], np.inf)  # least_squares then takes a shorter step
         return self._all(parameters)[0]
 
     def jacobian(self, parameters: Array) -> Array:
+        """Return their slopes."""
         return self._all(parameters)[1]
 
     def _all(self, parameters: Array) -> tuple[Array, Array]:
@@ -570,7 +596,7 @@ def profile(solved: Fit, number: int) -> tuple[float, float]:
     from scipy.optimize import least_squares
 
     problem = solved.problem
-    rows = _Rows(problem, solved.weights)
+    rows = Rows(problem, solved.weights)
     at = solved.parameters
     slopes = rows.jacobian(at)
     inverse = np.linalg.inv(slopes.T @ slopes)

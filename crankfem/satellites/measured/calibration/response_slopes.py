@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from crankbase.array_checks import Array, ComplexArray, Flags
+from crankbase.array_checks import Array, ComplexArray, Flags, Integers
 from crankbase.errors import InputError
 from crankfem.satellites.measured.calibration.groups import (
     EXCITATION,
@@ -45,6 +45,10 @@ class Excitation:
     fixed: ComplexArray
     sources: ComplexArray
     nodes: tuple[int, ...]
+
+    def at(self, points: Integers) -> "Excitation":
+        """Return the torques at some of the points."""
+        return replace(self, fixed=self.fixed[points], sources=self.sources[points])
 
 
 @dataclass(frozen=True)
