@@ -10,8 +10,9 @@ from scipy.interpolate import CubicSpline
 from typer.testing import CliRunner
 
 import crankfem as cf
+from crankbase.errors import MissingLibraryError
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.satellites.measured.calibration import calibrated
+from crankfem.satellites.measured.calibration import calibrated, sampling
 from crankfem.satellites.measured.calibration.command import calibrate
 from crankfem.satellites.measured.calibration.response_slopes import Sensor
 from measured_engines import ENGINE, FIELDS, ORDERS, TRUTH, calculated, measured, model, written
@@ -124,6 +125,13 @@ def test_records_that_do_not_fit_end_with_a_code(app, orders):
     answer = CliRunner().invoke(app, (*words, "--output", "fitted.toml"))
     assert (answer.exit_code, json.loads(answer.stdout)["status"]) == (2, "does not fit")
     assert not (orders / "fitted.toml").exists()
+
+
+def test_samples_name_their_extra_before_anything_is_calculated(call, orders, monkeypatch):
+    monkeypatch.setattr(sampling, "find_spec", {}.get)
+    monkeypatch.setattr(calibrated, "engine_vibration", None)
+    with pytest.raises(MissingLibraryError, match=r"pip install 'crankfem\[sampling\]'"):
+        call(ENGINE, "run.csv", "--at", "free end", *MOVES, "--sample")
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.stats import norm
 
 import crankfem as cf
 import crankfem.satellites.measured.calibration.fit as fitting
@@ -21,6 +22,7 @@ from crankfem.satellites.measured.calibration.identifiability import (
     remedies,
 )
 from crankfem.satellites.measured.calibration.response_slopes import Excitation, Sensor, Shaft
+from crankfem.satellites.measured.calibration.sampling import sampled
 from crankfem.satellites.measured.measured_orders import MeasuredOrders
 from dynamics.chains.varying import Variation, Varying, varied
 from measured_shafts import (
@@ -134,18 +136,69 @@ def test_profile_agrees_with_the_linear_interval_where_the_model_is_nearly_linea
         assert np.max(np.abs(np.log(profiled) - np.log(linear))) < 0.03 * width
 
 
+def hardly_told(noise: float, wheel: float):
+    """A damping of wide tolerance at one order away from resonance: what was measured is far from linear."""
+    of = Shaft(CHAIN, (chain_group(CHAIN, "loss factor", 10.0),), 6)
+    rng = np.random.default_rng(0)
+    speed = np.linspace(100.0, 130.0, 4)
+    return of, observed(of, [0.3], PULLEY, rng, speed=speed, orders=[6.0], noise=noise, wheel=wheel)
+
+
 def test_profile_is_skewed_where_the_model_is_not_linear():
     """A damping hardly told by one order away from resonance: less of it matters less."""
-    of = Shaft(CHAIN, (chain_group(CHAIN, "loss factor", 3.0),), 6)
-    rng = np.random.default_rng(0)
-    record = observed(
-        of, [0.3], PULLEY, rng, speed=np.linspace(100.0, 130.0, 4), orders=[6.0], noise=0.2
-    )
+    of, record = hardly_told(0.2, 0.0)
     found = fit(Problem(of, (record,)))
     low, high = profile(found, 0)
     value = float(found.factors()[0])
     assert low < value < high
     assert np.log(value / low) > 1.1 * np.log(high / value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("noise", "wheel"), [(0.2, 0.0), (0.04, 1.0)])
+def test_samples_have_the_quantiles_of_an_integrated_posterior(noise, wheel):
+    of, record = hardly_told(noise, wheel)
+    found = fit(Problem(of, (record,)), robust=False)
+    drawn = sampled(found, seed=1)
+    assert drawn.converged
+    # The constants of a wheel as errors common to all speeds, of a deviation that is no limit.
+    measured, values = record.measured, np.linspace(-6.0, 6.0, 401)
+    spread = np.diag(measured.scatter[:, 0] ** 2) + wheel * (1e3 * np.max(measured.scatter)) ** 2
+    w, speeds = record.points
+    density = np.empty(values.size)
+    for place, value in enumerate(values):
+        y, _ = of.amplitudes(np.array([value]), PULLEY, w, speeds, record.excitation)
+        off = y - measured.amplitude[:, 0]
+        squares = np.conj(off) @ np.linalg.solve(spread, off)
+        density[place] = np.exp(-0.5 * squares.real - 0.5 * value**2)
+    below = np.cumsum(density) / np.sum(density)
+    deviation = of.groups[0].deviation
+
+    def apart(quantiles, shares) -> float:
+        """Largest difference of the shares below some values."""
+        return float(np.max(np.abs(np.interp(quantiles, values, below) - shares)))
+
+    draws = np.sort(drawn.parameters[:, 0])
+    # Kolmogorov's limit of 1 in 100.
+    sure = 1.63 / np.sqrt(drawn.independent)
+    assert apart(draws, np.linspace(0.0, 1.0, draws.size)) < sure
+    ends = np.log(drawn.interval(found, 0)) / deviation
+    assert apart(ends, (0.025, 0.975)) < 4.0 * np.sqrt(0.025 / drawn.independent)
+    normal = found.parameters[0] + found.deviations[0] * norm.ppf(np.linspace(0.01, 0.99, 99))
+    assert apart(normal, np.linspace(0.01, 0.99, 99)) > 1.5 * sure
+
+
+@pytest.mark.further
+def test_samples_agree_with_the_linear_interval_where_the_model_is_nearly_linear():
+    """With a wheel, overlapping windows and outliers, all of which widen it; and a null direction."""
+    found, _ = solved(PULLEY, 4, wheel=1.0, shared=0.75, outliers=0.01)
+    drawn = sampled(found, seed=1)
+    assert drawn.converged
+    assert drawn.error < 0.05
+    for number in range(8):
+        linear = np.log(found.interval(number))
+        off = np.log(drawn.interval(found, number)) - linear
+        assert np.max(np.abs(off)) < 4.0 * drawn.error * 0.5 * np.ptp(linear)
 
 
 @pytest.mark.slow

@@ -11,14 +11,14 @@ import numpy as np
 from crankbase.array_checks import Array
 from crankbase.outputs import check_output
 from crankbase.quantity import format_quantity
-from crankbase.results import Internal, Number, Quantity, Result, Speed, result
+from crankbase.results import Internal, Number, Part, Quantity, Result, Speed, result
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_limits import limit_findings
 from crankfem.analyses.vibration.run import EngineVibration, engine_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
-from crankfem.satellites.measured.calibration.agreement import Agreed, agreement
+from crankfem.satellites.measured.calibration.agreement import agreement
 from crankfem.satellites.measured.calibration.engine_problem import (
     EngineModel,
     engine_problem,
@@ -40,6 +40,7 @@ from crankfem.satellites.measured.calibration.identifiability import (
     further_measurements,
     remedies,
 )
+from crankfem.satellites.measured.calibration.sampling import Samples, check_sampler, sampled
 from crankfem.satellites.measured.measured_orders import MeasuredOrders
 from dynamics.assessment.limits import usage
 
@@ -55,8 +56,8 @@ class FittedGroup(Result):
     ----------
     low, high : float
         95 % interval, linear in the logarithm.
-    profile_low, profile_high : float or None
-        By profile likelihood; None if not asked for.
+    profile_low, profile_high, sample_low, sample_high : float or None
+        By profile likelihood, and by samples of the posterior; None if not asked for.
     tolerance : float
         Share by which the maker's value may be off, 95 of 100 times.
     pull : float
@@ -72,6 +73,8 @@ class FittedGroup(Result):
     high: Number
     profile_low: Annotated[float | None, Quantity("1")]
     profile_high: Annotated[float | None, Quantity("1")]
+    sample_low: Annotated[float | None, Quantity("1")]
+    sample_high: Annotated[float | None, Quantity("1")]
     tolerance: Number
     pull: Number
     determined: Number
@@ -197,6 +200,8 @@ class Calibration(Result):
         Number of independent values; overlapping windows count once.
     lost_starts, starts : int
         Starts of the search that ended in a worse minimum, of how many.
+    samples : Samples or None
+        Those of the posterior; None if not asked for.
     unwritten : tuple of str
         Fitted factors that no field of an engine file holds, such as that of the gas torque; the verdict is
         without them.
@@ -218,6 +223,7 @@ class Calibration(Result):
     lost_starts: int
     starts: int
     groups: tuple[FittedGroup, ...]
+    samples: Part[Samples | None]
     untold: tuple[Untold, ...]
     residuals: tuple[OrderResidual, ...]
     predicted: tuple[Predicted, ...]
@@ -244,6 +250,7 @@ def calibrate(
     predict: Mapping[str, MeasuredOrders] | None = None,
     output: str | Path | None = None,
     profiles: bool = False,
+    samples: bool = False,
     analysis: Analyses | None = None,
     step: Callable[[str], None] | None = None,
 ) -> Calibration:
@@ -266,6 +273,8 @@ def calibrate(
         Engine file to write; nothing is written if the records do not fit.
     profiles : bool, optional
         Whether to find intervals by profile likelihood, too.
+    samples : bool, optional
+        Whether to find intervals by samples of the posterior, too; needs crankfem[sampling].
     analysis : ThrowAnalysis or mapping, optional
         Of its throws, if available.
     step : callable, optional
@@ -275,10 +284,14 @@ def calibrate(
     ------
     InputError
         If something given cannot be used.
+    MissingLibraryError
+        If samples are asked for without their package.
     """
     tell = step or (lambda _: None)
     if output is not None:  # before minutes are spent
         check_output(Path(output), "input file")
+    if samples:
+        check_sampler()
     asked = dict(moves or {})
     read = engine if isinstance(engine, EngineFile) else load_engine(engine)
     run = engine_vibration(with_magnifier(read, [*asked]), analysis=analysis, step=step)
@@ -294,6 +307,7 @@ def calibrate(
     further: Sequence[Further] = ()
     if fits:
         further = further_measurements(solved, _further_speeds(model, solved), model.excitation)
+    drawn = sampled(solved, step=step) if samples and fits else None
     cylinders: Gains | None = cylinder_gains(solved, model.cylinders, further) if gains else None
     fitted, verdict, files = None, None, list[str]()
     if fits:
@@ -316,7 +330,8 @@ def calibrate(
         effective=solved.effective,
         lost_starts=solved.lost_starts,
         starts=len(solved.starts),
-        groups=_groups(solved, agreed, profiles, tell),
+        groups=_groups(solved, profiles and fits, drawn, tell),
+        samples=drawn,
         untold=tuple(
             Untold(
                 each.named(solved),
@@ -345,15 +360,16 @@ def calibrate(
 
 
 def _groups(
-    solved: Fit, agreed: Agreed, profiles: bool, tell: Callable[[str], None]
+    solved: Fit, profiles: bool, drawn: Samples | None, tell: Callable[[str], None]
 ) -> tuple[FittedGroup, ...]:
     made = []
     factors = solved.factors()
     for number, group in enumerate(solved.problem.shaft.groups):
         ends: tuple[float | None, float | None] = None, None
-        if profiles and agreed.status != "does not fit":
+        if profiles:
             tell(f"Profile of {group.name}")
             ends = profile(solved, number)
+        sides = (None, None) if drawn is None else drawn.interval(solved, number)
         low, high = solved.interval(number)
         made.append(
             FittedGroup(
@@ -364,6 +380,8 @@ def _groups(
                 high=high,
                 profile_low=ends[0],
                 profile_high=ends[1],
+                sample_low=sides[0],
+                sample_high=sides[1],
                 tolerance=group.tolerance,
                 pull=float(solved.parameters[number]),
                 determined=float(np.clip(1.0 - solved.deviations[number] ** 2, 0.0, 1.0)),
@@ -447,7 +465,8 @@ def _verdict_change(
     by_group = {}
     if limits:
         deciding = max(pairs, key=lambda pair: pair[1].used)[1]
-        speeds = np.union1d(*(_speeds(each) for each in (model.run, run)))
+        forced = model.run.forced_torsional, run.forced_torsional
+        speeds = np.unique(np.concatenate([each.speeds for each in forced if each is not None]))
         low, high = deciding.judged
         speeds = speeds[(speeds >= low * (1.0 - 1e-12)) & (speeds <= high * (1.0 + 1e-12))]
         key = deciding.limit.name, deciding.place
@@ -476,11 +495,6 @@ def _fitted_run(model: EngineModel, fitted: FittedEngine, path: Path | None) -> 
         return engine_vibration(fitted.engine_file, analysis=analyses)
     lines = {**fitted.engine_file.shaft_lines, "plant": fitted.chain}
     return engine_vibration(replace(fitted.without_parts(), shaft_lines=lines), analysis=analyses)
-
-
-def _speeds(run: EngineVibration) -> Array:
-    assert run.forced_torsional is not None
-    return run.forced_torsional.speeds
 
 
 def _use(

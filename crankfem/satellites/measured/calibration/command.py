@@ -75,6 +75,12 @@ def calibrate(
     profile: Annotated[
         bool, typer.Option("--profile", help="Find intervals by profile likelihood, too.")
     ] = False,
+    sample: Annotated[
+        bool,
+        typer.Option(
+            "--sample", help="Find intervals by samples of the posterior, too (crankfem[sampling])."
+        ),
+    ] = False,
     output: Annotated[
         str | None,
         typer.Option(metavar="FITTED.toml", help="Write the engine file with the fitted values."),
@@ -134,6 +140,7 @@ def calibrate(
             predict={path: tables[path] for path in predict or ()},
             output=output,
             profiles=profile,
+            samples=sample,
             step=progress.step,
         )
         progress.finish()

@@ -1,10 +1,11 @@
 """A calibration in tables and sentences, each derived from its numbers."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from crankbase.sentences import amount, finished
 from crankbase.table import Column, Main, Table
 from crankfem.satellites.measured.calibration.calibrated import Calibration, Untold, VerdictChange
+from crankfem.satellites.measured.calibration.sampling import Samples
 
 # Groups of a direction that are named, and groups of a change of the verdict.
 MOST_NAMED, MOST_REASONS = 4, 3
@@ -29,6 +30,14 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
                 (Column("to", digits=5), lambda row: row.profile_high),
             )
             if any(group.profile_low is not None for group in made.groups)
+            else ()
+        ),
+        *(
+            (
+                (Column("samples from", digits=5), lambda row: row.sample_low),
+                (Column("to", digits=5), lambda row: row.sample_high),
+            )
+            if made.samples is not None
             else ()
         ),
         (Column("tolerance", "%", 3), lambda row: row.tolerance),
@@ -76,6 +85,8 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
             "written nor the verdict has it."
         )
     yield from made.remarks
+    if made.samples is not None:
+        yield _samples(made.samples)
     if made.lost_starts:
         yield (
             f"{made.lost_starts} of {made.starts} starts ended in a worse minimum; the best one is shown."
@@ -83,27 +94,32 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
     yield _agreement(made)
 
 
-def _share(share: float) -> str:
-    return f"{100.0 * share:+.3g} %"
-
-
-def _changes(parts: Mapping[str, float], most: int) -> str:
-    """Name the groups that change most together, and how many others do."""
-    largest = sorted(parts.items(), key=lambda item: -abs(item[1]))
-    named = ", ".join(f"{name} {_share(share)}" for name, share in largest[:most])
-    others = len(largest) - most
-    return f"{named} and {others} more" if others > 0 else named
-
-
 def _direction(each: Untold) -> str:
-    """Say what the records cannot tell, and what would."""
+    """Say what the records cannot tell, by the groups that change most, and what would."""
+    largest = sorted(each.parts.items(), key=lambda item: -abs(item[1]))
+    changes = ", ".join(f"{name} {100.0 * share:+.3g} %" for name, share in largest[:MOST_NAMED])
+    if len(largest) > MOST_NAMED:
+        changes += f" and {len(largest) - MOST_NAMED} more"
     tells = "nothing of" if each.strength < 1e-3 else "less than the tolerances do of"
     would = (
         f"it would be told by {', '.join(each.remedies)}"
         if each.remedies
         else ("no other sensor on the chain, nor another running speed, would tell it")
     )
-    return f"The records tell {tells} these together: {_changes(each.parts, MOST_NAMED)}; {would}."
+    return f"The records tell {tells} these together: {changes}; {would}."
+
+
+def _samples(drawn: Samples) -> str:
+    """Say how sure the intervals by samples are."""
+    if not drawn.converged:
+        return (
+            "The samples have not converged: those of a walker hang together over so many steps that their "
+            "number says nothing of the intervals."
+        )
+    return (
+        f"The samples are worth {drawn.independent:.0f} independent ones: the ends of their intervals are "
+        f"sure within {100.0 * drawn.error:.2g} % of the half width (one standard error)."
+    )
 
 
 def _cylinders(made: Calibration) -> str:
