@@ -75,7 +75,7 @@ def calibration_parts(made: Calibration) -> Iterator[Table | str]:
             f"{each.name} {each.ratio:.3f} ({each.low:.3f} to {each.high:.3f})"
             for each in made.cylinders
         )
-        yield Main(f"Gas torque over the mean of the others: {', '.join(ratios)}.")
+        yield Main(f"Gas torque of each cylinder over the mean of the others: {', '.join(ratios)}.")
     if made.verdict is not None:
         yield _limits(made.verdict)
         yield Main(_verdict(made.verdict))
