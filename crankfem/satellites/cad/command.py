@@ -1,5 +1,6 @@
 """The command `cad`."""
 
+import math
 import os
 import shlex
 from collections.abc import Iterator
@@ -76,6 +77,13 @@ def cad(
             help="Write an engine file with the throws, and examples of what CAD does not tell.",
         ),
     ] = None,
+    v_angle: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"90 deg"',
+            help="Angle between two banks: two cylinders on each pin, or on the pins of each throw in turn.",
+        ),
+    ] = None,
     *,
     out: Output,
 ) -> None:
@@ -83,6 +91,7 @@ def cad(
     from pathlib import Path
 
     from crankbase.outputs import write_user_file
+    from crankbase.quantity import parse_quantity
     from crankfem.analyses.record import with_units
     from crankfem.jobs.outputs import check_outputs, check_writable, make_output_folder
     from crankfem.satellites.cad.dimensions import dimensions_text
@@ -95,6 +104,15 @@ def cad(
             "--free-modes: given with --no-fe; give one, because modes take finite elements."
         )
     moved = _moved(cut or [])
+    if v_angle is not None and engine is None:
+        raise InputError(
+            f"--v-angle: given {v_angle} without --engine; allowed only with it, whose cylinders it arranges."
+        )
+    banks = None if v_angle is None else math.degrees(parse_quantity(v_angle, "rad", "--v-angle"))
+    if banks is not None and not 0.0 < banks <= 180.0:
+        raise InputError(
+            f"--v-angle: given {v_angle}; allowed is more than 0 to 180 deg, because it is between two banks."
+        )
     check_outputs(None, None, Path(file))
     written = None if engine is None else Path(engine)
     if written is not None:
@@ -126,7 +144,7 @@ def cad(
     files = [f"Throws: {throws} ({count} file{'s' * (count > 1)})"] if folder is not None else []
     made = {}
     if written is not None:
-        write_user_file(written, engine_text(run, written, dimensions).encode())
+        write_user_file(written, engine_text(run, written, dimensions, banks).encode())
         made = {"engine": engine}
         files.append(f"Engine file: {engine}; next: crankfem check {shlex.quote(str(engine))}")
     if out.json:

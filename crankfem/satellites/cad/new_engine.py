@@ -3,6 +3,7 @@
 import math
 import os
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -10,7 +11,7 @@ from string import Template
 
 import numpy as np
 
-from crankfem.files.engine.new_file import IN_LINE, IN_LINE_SIZES, angles_text, steps_text
+from crankfem.files.engine.new_file import BANKS, IN_LINE, IN_LINE_SIZES, angles_text, steps_text
 from crankfem.satellites.cad.run import FLANGE, CadRun, EndOfShaft
 from dynamics.engine.layout import (
     even_firing_order,
@@ -34,11 +35,20 @@ STEEL_TEXT = (
     ("poisson_ratio", "0.3"),
     ("density", '"7850 kg/m^3"'),
 )
+BANK_OF_EACH = """\
+# Axis of each cylinder, of the banks in turn.
+bank_angles = { value = [$angles], assumed = "example" }
+"""
 # Angles of cranks are alike to this [deg].
 ALIKE = 0.01
 
 
-def engine_text(run: CadRun, path: Path, dimensions: Mapping[int, str] | None = None) -> str:
+def engine_text(
+    run: CadRun,
+    path: Path,
+    dimensions: Mapping[int, str] | None = None,
+    v_angle_deg: float | None = None,
+) -> str:
     """Return the text of an engine file for a crankshaft, which runs unchanged.
 
     Parameters
@@ -49,31 +59,45 @@ def engine_text(run: CadRun, path: Path, dimensions: Mapping[int, str] | None = 
         Of the engine file; those of the throws are named as seen from its folder.
     dimensions : mapping of int to str, optional
         Number of the first throw of a kind to its dimensions, "" for none.
+    v_angle_deg : float, optional
+        Angle between two banks, whose cylinders work on each pin together, or on the pins of a throw in turn;
+        without it the cylinders are in line, one on each pin.
     """
     shaft, source = run.shaft, Path(run.file).name
     cranks = [round(pin.angle_deg, 6) for pin in sorted(shaft.pins, key=lambda pin: pin.start)]
     pins, throws = len(cranks), len(run.throws)
-    strokes, order, sense, like = firing_order(cranks)
-    fires = firing_angles_of_order(order, _tops(cranks, sense), strokes)
+    axes, arranged, written_banks = [0.0] * pins, "in line, one on each pin", ""
+    if v_angle_deg is not None and pins > throws:
+        axes = [(-0.5, 0.5)[number % 2] * v_angle_deg for number in range(pins)]
+        arranged, written_banks = "in V, one on each pin", BANK_OF_EACH
+    elif v_angle_deg is not None:
+        axes, cranks = [-0.5 * v_angle_deg] * pins + [0.5 * v_angle_deg] * pins, 2 * cranks
+        arranged, written_banks = "in V, two on each pin", BANKS.template
+    # The first pin of a throw may be that of either bank.
+    strokes, fires, order, like, axes = min(
+        (_fired(cranks, each) for each in (axes, [-axis for axis in axes])),
+        key=lambda fired: (-fired[0], round(np.ptp(firing_intervals(fired[1], fired[0])), 6)),
+    )
+    banks = Template(written_banks).substitute(angles=angles_text(np.array(axes)))
     text = files("crankfem.files.engine").joinpath("template.toml").read_text(encoding="utf-8")
     text = Template(text).substitute(
         IN_LINE_SIZES,
         title=f"The engine of the crankshaft in {source}",
-        file=path.name,
+        file=shlex.quote(path.name),
         name=path.stem,
-        cylinders=pins,
+        cylinders=len(cranks),
         strokes=strokes,
         thrust=throws + 1,
         like=like,
         crank_angles=angles_text(np.array(cranks)),
         throw_angles="",
-        bank_lines="",
+        bank_lines=banks,
         evenly=steps_text(np.degrees(firing_intervals(fires, strokes))),
         firing_order=", ".join(map(str, order)),
-        highest_order=max(12, 2 * pins // strokes),
+        highest_order=max(12, 2 * len(cranks) // strokes),
     )
     # CAD tells neither; a V engine's shaft looks like one in line.
-    for name, why in (("cylinders", "in line, one on each pin"), ("strokes", like)):
+    for name, why in (("cylinders", arranged), ("strokes", like)):
         text = re.sub(
             rf"(?m)^{name} = (\d+)$", rf'{name} = {{ value = \1, assumed = "{why}" }}', text
         )
@@ -90,8 +114,8 @@ def engine_text(run: CadRun, path: Path, dimensions: Mapping[int, str] | None = 
             "# Cylinder numbers as they", f"throws = [{on_throws}]\n# Cylinder numbers as they"
         )
     text = HEAD.sub(
-        f"# Written by crankfem from {source}, which gives throws, angles, masses and stroke. Values marked\n"
-        "# as assumed are examples of this stroke, cylinders in line, one on each pin: replace them, then\n",
+        f'# Written by crankfem from "{source}", which gives throws, angles, masses and stroke. Values\n'
+        f"# marked as assumed are examples of this stroke, cylinders {arranged}: replace them, then\n",
         text,
     )
     text = STUDY.sub("", OTHERS.sub("", text))
@@ -114,25 +138,28 @@ def engine_text(run: CadRun, path: Path, dimensions: Mapping[int, str] | None = 
     return EXAMPLE.sub(scaled, text)
 
 
-def firing_order(cranks_deg: Sequence[float]) -> tuple[int, tuple[int, ...], int, str]:
-    """Return strokes, firing order and sense of rotation of cylinders in line with these cranks, and why.
+def firing_order(
+    cranks_deg: Sequence[float], axes_deg: Sequence[float]
+) -> tuple[int, tuple[int, ...], int, str]:
+    """Return strokes, firing order and sense of rotation of cylinders with these cranks and axes, and why.
 
-    The shaft turns against (-1) or in the sense in which its angles count, as the usual order needs it.
+    The shaft turns against (-1) or, of cylinders in line, perhaps in the sense in which its angles count, as
+    the usual order needs it.
 
     Examples
     --------
-    >>> firing_order([0.0, 180.0, 180.0, 0.0])
+    >>> firing_order([0.0, 180.0, 180.0, 0.0], [0.0] * 4)
     (4, (1, 3, 4, 2), -1, 'usual for 4 in line with these cranks')
     """
     count = len(cranks_deg)
-    for strokes, orders in IN_LINE.items():
+    for strokes, orders in IN_LINE.items() if not any(axes_deg) else ():
         for order in filter(None, [orders.get(count)]):
             steps = np.argsort(order) * 180.0 * strokes / count
             for sense in (-1, 1):
                 off = (sense * steps - cranks_deg + 180.0) % 360.0 - 180.0
                 if np.abs(off).max() < ALIKE:
                     return strokes, order, sense, f"usual for {count} in line with these cranks"
-    tops = _tops(cranks_deg, -1)
+    tops = _tops(cranks_deg, axes_deg, -1)
     for strokes in IN_LINE:
         if even := even_firing_order(tops, strokes):
             return strokes, even, -1, "even with these cranks"
@@ -141,9 +168,21 @@ def firing_order(cranks_deg: Sequence[float]) -> tuple[int, tuple[int, ...], int
     return 4, order, -1, "least uneven with these cranks"
 
 
-def _tops(cranks_deg: Sequence[float], sense: int) -> list[float]:
-    """Shaft angle at which each crank is at the top [rad]."""
-    return [math.radians(sense * angle % 360.0) for angle in cranks_deg]
+def _fired(
+    cranks: Sequence[float], axes: list[float]
+) -> tuple[int, tuple[float, ...], tuple[int, ...], str, list[float]]:
+    """Strokes, firing angles [rad], firing order and why, and the axes."""
+    strokes, order, sense, like = firing_order(cranks, axes)
+    fires = firing_angles_of_order(order, _tops(cranks, axes, sense), strokes)
+    return strokes, fires, order, like, axes
+
+
+def _tops(cranks_deg: Sequence[float], axes_deg: Sequence[float], sense: int) -> list[float]:
+    """Shaft angle at which each crank is along its cylinder's axis [rad]."""
+    return [
+        math.radians((axis + sense * crank) % 360.0)
+        for crank, axis in zip(cranks_deg, axes_deg, strict=True)
+    ]
 
 
 def _shaft(

@@ -5,6 +5,7 @@ import tomllib
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cad_files import Posture, write_shaft
@@ -17,7 +18,7 @@ from crankfem.analyses.shaft.whole_records import shaft_balance
 from crankfem.analyses.throw.pictures.solid_picture import FIRST_THROW, shaft_surface
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.throw_file import load_throw
+from crankfem.files.engine.throw_file import load_crankshaft, load_throw
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_text import toml_text
 from crankfem.report.interactive.throw_view import shaft_figure
@@ -25,7 +26,7 @@ from crankfem.satellites.cad.dimensions import dimensions_text
 from crankfem.satellites.cad.new_engine import engine_text
 from crankfem.satellites.cad.run import run_cad
 from fem.analysis import analyze_throw
-from geometry.crankshaft import throw_masses
+from geometry.crankshaft import Crankshaft, throw_masses
 from geometry.imported import import_throw
 from geometry.solid_files import write_step
 from geometry.throw_dimensions import Counterweight
@@ -194,6 +195,26 @@ def round_trip(request, tmp_path_factory):
     filled = folder / "filled.toml"
     filled.write_text(toml_text(rest), encoding="utf-8")
     return mine, load_engine(filled), shipped
+
+
+@pytest.mark.parametrize(
+    ("name", "angles", "cylinders"),
+    [("buick-3800", None, 6), ("vw-tdi", [0.0, 90.0, 270.0, 180.0], 8)],
+    ids=["a rod on each pin", "two rods on each pin"],
+)
+def test_v_engines_fire_evenly(tmp_path, name, angles, cylinders):
+    shaft = load_crankshaft(name)
+    if angles is not None:
+        shaft = Crankshaft(shaft.throws, crank_angles_deg=angles)
+    run = run_cad(
+        write_shaft(tmp_path / "crank.step", shaft), accuracy=None, folder=tmp_path / "throws"
+    )
+    mine = tmp_path / "mine.toml"
+    mine.write_text(engine_text(run, mine, v_angle_deg=90.0), encoding="utf-8")
+    engine = load_engine(mine).engine
+    assert engine.strokes == 4
+    assert np.ptp(np.diff(np.sort(engine.firing_angles))) == close(0.0, abs=1e-6)
+    assert np.degrees(np.abs(engine.bank_angles)) == close(np.full(cylinders, 45.0), rel=1e-9)
 
 
 def test_a_written_file_runs_unchanged(round_trip):
