@@ -100,7 +100,9 @@ def signature(gmsh: Any, solid: int, low: float, high: float, angles: Sequence[f
     for _, tag in gmsh.model.getBoundary([(3, solid)], combined=False, oriented=False):
         face, height = measured_face(gmsh, tag), float(occ.getCenterOfMass(2, tag)[2])
         end = min(abs(height - low), abs(height - high)) < SAME * length
-        if not (end and face.kind == "Plane"):
+        # Slivers beside a cut have next to no area, and perhaps no center.
+        sliver = occ.getMass(2, tag) < (SAME * length) ** 2
+        if not (sliver or (end and face.kind == "Plane")):
             faces[tag] = face
     surfaces = _surfaces(gmsh, faces, length)
     areas = np.array([occ.getMass(2, tag) for tag in faces])

@@ -16,6 +16,7 @@ from crankbase.array_checks import Array
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError
 from crankbase.input_file import not_a_file
+from crankbase.processes import scratch_folder
 from crankbase.sentences import with_sentences
 from crankbase.summaries import frozen
 from geometry.gmsh_session import (
@@ -419,6 +420,13 @@ def import_throw(
         further = (f"{PIN} {number}" for number in count(2))
         pins = (PIN, *takewhile(lambda name: name in names, further))
     if not step.faces:
+        ends = [end for end in (left_end, right_end) if end not in (None, LEFT_END, RIGHT_END)]
+        unknown = [*ends, *(name for name in pins or () if name != PIN)]
+        if unknown:
+            raise InputError(
+                f"{path}: given {', '.join(map(repr, unknown))}, but no face of it has a name; allowed is no "
+                "name, and faces are found by shape."
+            )
         wanted = RequestedFaces(None, None, None)
     else:
         if pins is not None and len(pins) == 0:
@@ -524,21 +532,66 @@ def read_part(gmsh: Any, path: str) -> int:
     """Read the file's solid into the current model in meters, and return its number.
 
     The kernel reads it in mm and gmsh scales it: a unit set in the kernel persists for the
-    rest of the process, and would change files written later.
+    rest of the process, and would change files written later. Faces too thin for elements are healed away.
     """
     option = gmsh.option
     before = option.getString(UNIT_OPTION), option.getNumber(SCALE_OPTION)
     try:
         option.setString(UNIT_OPTION, "MM")
         option.setNumber(SCALE_OPTION, 1e-3)
-        made = read_shapes(gmsh, path)
+        solid = _only_solid(gmsh, path)
+        width = _width_of_slivers(gmsh, solid)
+        return _healed(gmsh, path, solid, width) if width > 0.0 else solid
     finally:
         option.setString(UNIT_OPTION, before[0])
         option.setNumber(SCALE_OPTION, before[1])
-    solids = [tag for dimension, tag in made if dimension == 3]
+
+
+def _only_solid(gmsh: Any, path: str) -> int:
+    solids = [tag for dimension, tag in read_shapes(gmsh, path) if dimension == 3]
     if len(solids) != 1:
-        raise InputError(f"{path}: given {len(solids)} solids; allowed is one.")
+        raise InputError(
+            f"{path}: given {len(solids)} solids; allowed is one throw; crankfem cad finds a whole "
+            "crankshaft among other solids, and cuts it into throws."
+        )
     return int(solids[0])
+
+
+def _width_of_slivers(gmsh: Any, solid: int) -> float:
+    """Largest mean width of faces that are too thin, like those between an oil hole's edge and a cut [m]."""
+    occ = gmsh.model.occ
+    box = np.array(occ.getBoundingBox(3, solid)).reshape(2, 3)
+    thin = PLACE_TOLERANCE * float(np.ptp(box, axis=0).max())
+    widths = [0.0]
+    for face in np.concatenate(occ.getSurfaceLoops(solid)[1]).tolist():
+        edges = np.concatenate(occ.getCurveLoops(face)[1]).tolist()
+        length = sum(occ.getMass(1, abs(edge)) for edge in edges)
+        widths.append(2.0 * occ.getMass(2, face) / length)
+    return max(width for width in widths if width < thin)
+
+
+def _healed(gmsh: Any, path: str, solid: int, width: float) -> int:
+    """Put the file's solid without slivers in its place, if the kernel can make it."""
+    before = gmsh.model.getCurrent()
+    with scratch_folder() as folder:
+        # In a model of its own, in mm, and read again: gmsh numbers what it heals beside what it healed.
+        gmsh.model.add("healed")
+        try:
+            gmsh.option.setNumber(SCALE_OPTION, 1.0)
+            whole = _only_solid(gmsh, path)
+            volume = gmsh.model.occ.getMass(3, whole)
+            gmsh.model.occ.healShapes([(3, whole)], 2e3 * width, sewFaces=False, makeSolids=False)
+            gmsh.model.occ.synchronize()
+            kept = [gmsh.model.occ.getMass(*item) for item in gmsh.model.getEntities(3)]
+            gmsh.write(str(folder / "healed.brep"))
+        finally:
+            gmsh.model.remove()
+            gmsh.model.setCurrent(before)
+            gmsh.option.setNumber(SCALE_OPTION, 1e-3)
+        if len(kept) != 1 or not math.isclose(kept[0], volume, rel_tol=PLACE_TOLERANCE):
+            return solid
+        gmsh.model.occ.remove([(3, solid)], recursive=True)
+        return _only_solid(gmsh, str(folder / "healed.brep"))
 
 
 def _scaled(plan: SizePlan, factor: float) -> SizePlan:

@@ -22,6 +22,7 @@ from geometry.faces import (
 from geometry.gmsh_session import curvature_radius
 from geometry.imported import PLACE_TOLERANCE, ImportedThrow, RequestedFaces, opened_part
 from geometry.parts import LEFT_JOURNAL, RIGHT_JOURNAL, Cylinder, Point
+from geometry.shaft_shape import journals_of
 from geometry.sizes import ROOT_PER_FILLET, SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
 from geometry.step_file import PLANE, StepFace
@@ -172,6 +173,17 @@ class _Recognition:
         self._high = self._right[0].high
         self._journals = self._journal("left", self._low), self._journal("right", self._high)
         self._pins = self._find_pins(wanted.pins)
+        on_axis = [
+            item
+            for item in self._rounds
+            if item.whole and item.radius > 0.0 and math.hypot(*item.axis) < self._tolerance
+        ]
+        throws = len(journals_of(on_axis, self._pins, self._tolerance).throws) if self._pins else 1
+        if throws > 1:
+            raise InputError(
+                f"pins: given a part with main journals between its pins, of {throws} throws; allowed is one "
+                "throw; crankfem cad cuts a whole crankshaft into throws."
+            )
 
     def throw(self, path: str, digest: str) -> ImportedThrow:
         """Transform them into the throw frame."""
@@ -254,7 +266,7 @@ class _Recognition:
             raise InputError(
                 f"{field}: given a part without a plane face normal to z at its "
                 f"{'smallest' if field == 'left_end' else 'largest'} z; allowed is a throw along z"
-                ", cut off square in the middles of its main journals."
+                ", cut off square in the middles of its main journals; crankfem cad cuts whole crankshafts."
             )
         if named is None:
             end = field.replace("_", " ")

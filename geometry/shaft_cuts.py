@@ -277,7 +277,7 @@ class _Shaft:
     def cut(self, moved: Mapping[int, float]) -> None:
         """Cut it into pieces, which must be as many as expected and weigh as much as the whole."""
         gmsh, occ = self._gmsh, self._gmsh.model.occ
-        whole = self._volume(self._solid)
+        whole, stepped = self._volume(self._solid), self._stepped()
         self.cuts = self._places(moved)
         inside = [
             (place, journal)
@@ -305,11 +305,13 @@ class _Shaft:
         kept = sum(map(self._volume, tags))
         most = KEPT_OF_SPLINES if self.splines else KEPT
         if len(tags) != len(places) - 1 or not all(between) or abs(kept / whole - 1.0) > most:
+            allowed = "faces fit together exactly: approximated spline surfaces do not"
+            if stepped:
+                allowed = f"spline faces close along straight lines: here {stepped} in steps"
             raise InputError(
                 f"{self._path}: given a crankshaft that the kernel cuts into {len(tags)} pieces with "
                 f"{100.0 * kept / whole:.6g} % of its volume in place of {len(places) - 1} with all of it; "
-                "allowed is one whose faces fit together exactly: approximated spline surfaces do not, so "
-                "export it with analytic ones."
+                f"allowed is one whose {allowed}, so export it with analytic ones."
             )
         self._pieces = list(zip(tags, pairwise(places), strict=True))
 
@@ -336,6 +338,20 @@ class _Shaft:
                 )
             cuts[number - 1] = place
         return cuts
+
+    def _stepped(self) -> int:
+        """Number of spline faces that close round a journal along more than one edge.
+
+        Programs make them where they unite two journals whose seams are not in line; the face then reaches
+        further than once round, and the kernel does not find where a plane meets it.
+        """
+        count = 0
+        for face in self._faces if self.splines else ():
+            side = (2, face.tag)
+            edges = self._gmsh.model.getBoundary([side], combined=False, oriented=False)
+            closing = [edge for edge in set(edges) if edges.count(edge) > 1]
+            count += len(closing) > 1 and self._gmsh.model.getType(*side) not in PLAIN_KINDS
+        return count
 
     def _volume(self, tag: int) -> float:
         return float(self._gmsh.model.occ.getMass(3, tag))

@@ -269,6 +269,12 @@ def test_without_names_the_same_is_found_by_shape(throw, plain, imported, folder
     assert replace(found, **kept) == replace(imported, **kept)
 
 
+@pytest.mark.parametrize("names", [{"pins": ["crank"]}, {"left_end": "free"}])
+def test_names_in_a_file_without_any_are_refused(plain, folder, names):
+    with pytest.raises(InputError, match="no face of it has a name"):
+        import_throw(write(folder / "plain.step", plain), **names)
+
+
 def test_none_finds_by_shape_although_there_are_names(throw, plain, folder):
     auto = name_faces(plain, lambda *_: "Face")
     found = import_throw(write(folder / "auto.step", auto), None, None, None)

@@ -110,7 +110,8 @@ def test_splines_are_weighed_by_meshes_of_their_surface(four, tmp_path):
     off = differences(four, run)
     assert off["angle [deg]"] < 0.01
     assert off["place [m]"] < 1e-6
-    assert off["mass"] < 3e-5
+    assert off["mass"] < 1e-5
+    assert off["symmetries"] == 0.0
     assert any("spline faces" in remark for remark in run.remarks)
 
 
@@ -118,8 +119,37 @@ def test_splines_are_weighed_by_meshes_of_their_surface(four, tmp_path):
 def test_pieces_of_splines_that_do_not_make_up_the_whole_are_refused(four, tmp_path):
     two = Crankshaft(four.throws[:2], crank_angles_deg=[0.0, 90.0], ends=four.ends)
     path = write_shaft(tmp_path / "splines.step", two, replace(TURNED, splines=True))
-    with pytest.raises(InputError, match=r"cuts into 3 pieces with 53\.\d+ % of its volume"):
+    # The halves of its middle journal have their seams at the cranks.
+    with pytest.raises(InputError, match=r"with 53\.\d+ % of its volume.* 1 in steps"):
         import_crankshaft(path)
+
+
+def test_slivers_between_an_oil_hole_and_a_cut_are_healed(four, tmp_path):
+    # The halves of a hole meet along lines that miss the cut by 9 nm, as round-off of CAD programs has them.
+    two = Crankshaft(four.throws[:2], crank_angles_deg=[0.0, 180.0], ends=four.ends)
+    middle, radius, miss = two.starts[1], 0.003, 9e-9
+
+    def drilled(gmsh):
+        make_shaft(gmsh, two)
+        shaft, halves = gmsh.model.occ.getEntities(3), []
+        for turn in (0.5 * math.pi, 1.5 * math.pi):
+            axis = (-0.1, 0.0, middle, 0.2, 0.0, 0.0)
+            halves.append((3, gmsh.model.occ.addCylinder(*axis, radius, angle=math.pi)))
+            around = (0.0, 0.0, middle, 1.0, 0.0, 0.0)
+            gmsh.model.occ.rotate(halves[-1:], *around, turn + miss / radius)
+        gmsh.option.setNumber("Geometry.OCCUnionUnify", 0)
+        gmsh.model.occ.cut(shaft, halves)
+
+    shaft = import_crankshaft(write_parts(tmp_path / "crank.step", drilled))
+    assert [change for _, change in shaft.like] == ["equal", "reversed"]
+    mesh = shaft.throws[0].meshed(3.0)
+    assert mesh.attempts == ()
+    assert mesh.solid.volume == close(shaft.throws[0].volume / 2.0, rel=1e-6)
+
+
+def test_a_whole_crankshaft_is_no_throw(four, tmp_path):
+    with pytest.raises(InputError, match=r"of 4 throws.*crankfem cad"):
+        import_throw(write_shaft(tmp_path / "crank.step", four))
 
 
 @pytest.mark.parametrize("name", ["buick-3800", "6chn25-34"])
