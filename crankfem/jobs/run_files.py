@@ -138,8 +138,8 @@ def replace_last_run(folder: Path, results: RunResults | Record) -> None:
 
 
 def results_text(results: RunResults | Record) -> str:
-    """Return the text of results.json."""
-    return json_text(with_units(results), indent=1)
+    """Return the text of results.json; a record is JSON content already."""
+    return json_text(with_units(results) if isinstance(results, RunResults) else results, indent=1)
 
 
 class Progress(Protocol):
