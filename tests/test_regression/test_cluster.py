@@ -31,6 +31,7 @@ from regression.runs.cluster import (
     compute_design,
     identity,
     run_on_cluster,
+    shared_process_pool,
 )
 from regression.runs.study import run_plan
 
@@ -50,6 +51,7 @@ for request in requests():
 
 @pytest.fixture
 def puppets(monkeypatch):
+    shared_process_pool().close()  # workers of studies before these tests would compute, too
     started = spawned(monkeypatch, PUPPET)
     yield started
     for process in started:
