@@ -202,7 +202,7 @@ class _Shaft:
             if item.whole and item.radius > 0.0 and item.offset < self._near
         ]
         # gmsh numbers the faces of what it turns anew.
-        self._pins = sorted((self._turned(line, pin) for pin in line.pins), key=_low)
+        self._pins = sorted((self._turned(line, pin) for pin in line.pins), key=lambda pin: pin.low)
         journals = journals_of(on_axis, self._pins, self._near)
         self._mains, self._throws = journals.mains, journals.throws
         corners = gmsh.model.getBoundary([(3, solid)], oriented=False, recursive=True)
@@ -458,10 +458,6 @@ class _Shaft:
         return sum(
             face.kind == "Cylinder" and face.radius < 0.0 and not face.along for face in self._faces
         )
-
-
-def _low(item: Round) -> float:
-    return item.low
 
 
 def angle_of(axis: tuple[float, float]) -> float:

@@ -12,7 +12,7 @@ from string import Template
 import numpy as np
 
 from crankfem.files.engine.new_file import BANKS, IN_LINE, IN_LINE_SIZES, angles_text, steps_text
-from crankfem.satellites.cad.run import FLANGE, CadRun, EndOfShaft
+from crankfem.satellites.cad.run import FLANGE, CadRun
 from dynamics.engine.layout import (
     even_firing_order,
     firing_angles_of_order,
@@ -125,7 +125,8 @@ def engine_text(
         flange = ends[FLANGE]
         text = text.replace(
             "[flywheel]\n",
-            f"# Its mass and inertia include those of the flange, {_weight(flange)}.\n[flywheel]\n"
+            f"# Its mass and inertia include those of the flange, {flange.mass:.4g} kg and "
+            f"{flange.inertia_about_shaft:.4g} kg m^2.\n[flywheel]\n"
             f'overhang = {{ value = "{_millimeters(flange.length)}", source = "{source}: far side of the '
             'flange" }\n',
         )
@@ -232,10 +233,6 @@ def _shaft(
     lines += ["[material]"]
     lines += [f'{name} = {{ value = {value}, assumed = "steel" }}' for name, value in STEEL_TEXT]
     return "\n".join([*lines, "", ""])
-
-
-def _weight(end: EndOfShaft) -> str:
-    return f"{end.mass:.4g} kg and {end.inertia_about_shaft:.4g} kg m^2"
 
 
 def _millimeters(length: float) -> str:

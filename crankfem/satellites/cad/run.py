@@ -344,7 +344,7 @@ def end_analyses(
         Called with the name of each step.
     """
     analyses = {}
-    for end, name in zip(shaft.ends, ("free end", "flange end"), strict=True):
+    for end, name in zip(shaft.ends, (FREE_END, FLANGE), strict=True):
         if end is not None and end.part is not None:
             tell(f"Analyzing the {name}")
             try:
