@@ -59,8 +59,9 @@ def motion(
         quick = np.zeros_like(rigid)
         for order, forces in zip(given.orders, given.forces @ shape, strict=True):
             acting = np.interp(speed, given.speeds, forces) * np.exp(1j * order * rigid)
-            force += acting.real
             quick -= (acting / (order * speed) ** 2).real  # of a body without stiffness
+            # Lines from step to step weaken a harmonic force by this factor.
+            force += (acting / np.sinc(order * speed / (2.0 * np.pi * RATE)) ** 2).real
         if square < 1e-6 * squares[-1]:
             total += shape[0] * quick
             continue
