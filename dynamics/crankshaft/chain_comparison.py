@@ -21,7 +21,6 @@ from dynamics.crankshaft.shaft_modes import CrankshaftSystem, ShaftModes, cranks
 from dynamics.crankshaft.surroundings import RX, RY, RZ, UZ
 from dynamics.indices import within
 from dynamics.plots.curves import draw_named_curves, in_unit
-from dynamics.response.complex_modes import least_pairs
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import synthesis
 
@@ -141,12 +140,14 @@ def match_modes(
     Arguments are those of `mode_likeness`. The products of share and likeness are largest in all; no mode of
     the shaft stands for two.
     """
+    from scipy.optimize import linear_sum_assignment  # here: loading it takes long
+
     share = modes.shares[CLASSES.index(chain.kind)]
     likeness = mode_likeness(shaft, modes, chain, wanted)
     scores = share * likeness
     chain_modes = chain.chain.modes()
     rigid, matches = (chain_modes.rigid, modes.rigid), []
-    taken = least_pairs(-scores)[1].tolist()
+    taken = linear_sum_assignment(scores, maximize=True)[1].tolist()
     others = scores.copy()
     others[:, taken] = 0.0
     for row, (number, best) in enumerate(zip(wanted, taken, strict=True)):
@@ -236,10 +237,12 @@ def followed_modes(masses: Array, shapes: Sequence[Array]) -> Integers:
         Row by row the mode of each shaft that follows mode 0, 1 ... of the first one: each once, with
         the largest sum of squared products of shapes, weighted by the masses.
     """
+    from scipy.optimize import linear_sum_assignment  # here: loading it takes long
+
     rows = [np.arange(shapes[0].shape[1])]
     for before, after in pairwise(shapes):
         alike = (before.T @ masses @ after) ** 2
-        rows.append(least_pairs(-alike)[1][rows[-1]])
+        rows.append(linear_sum_assignment(alike, maximize=True)[1][rows[-1]])
     return np.array(rows)
 
 

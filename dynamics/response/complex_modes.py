@@ -177,60 +177,6 @@ def modes_at(response: ForcedResponse, w: float, speed: float) -> ComplexModes:
     )
 
 
-def least_pairs(costs: Array) -> tuple[Integers, Integers]:
-    """Pair rows and columns of costs (r, c), each at most once, as many as there are, at the least sum.
-
-    Returns
-    -------
-    rows, columns : ndarrays of shape (min(r, c),)
-        Rows ascending, and the column of each.
-
-    Notes
-    -----
-    Shortest augmenting paths (Crouse 2016), step by step as in `scipy.optimize.linear_sum_assignment`, whose
-    loading takes a fifth of a second.
-    """
-    if costs.shape[0] > costs.shape[1]:
-        columns, rows = least_pairs(costs.T)
-        order = np.argsort(rows)
-        return rows[order], columns[order]
-    count, width = costs.shape
-    rows, columns = np.nonzero(costs == np.min(costs, axis=1, keepdims=True, initial=np.inf))
-    if len({*columns.tolist()}) == rows.size == count:  # no row has to give way
-        return rows, columns
-    of_row, of_column = np.full(count, -1), np.full(width, -1)
-    rise, drop = np.zeros(count), np.zeros(width)
-    for first in range(count):
-        reached, before = np.full(width, np.inf), np.full(width, -1)
-        left = np.arange(width)[::-1].copy()
-        row, length, passed = first, 0.0, []
-        while True:
-            onward = length + costs[row, left] - rise[row] - drop[left]
-            nearer = left[onward < reached[left]]
-            reached[nearer] = onward[onward < reached[left]]
-            before[nearer] = row
-            length = reached[left].min()
-            nearest = np.flatnonzero(reached[left] == length)
-            free = nearest[of_column[left[nearest]] < 0]
-            place = free[-1] if free.size else nearest[0]
-            column = left[place]
-            passed.append(column)
-            left[place], left = left[-1], left[:-1]
-            if of_column[column] < 0:
-                break
-            row = of_column[column]
-        rise[first] += length
-        # All but the last column have a row.
-        rise[of_column[passed[:-1]]] += length - reached[passed[:-1]]
-        drop[passed] -= length - reached[passed]
-        while True:
-            row = of_column[column] = before[column]
-            of_row[row], column = column, of_row[row]
-            if row == first:
-                break
-    return np.arange(count), of_row
-
-
 def complex_modes(
     chain_or_system: Chain | LinearSystem | DampedChain | ForcedResponse,
 ) -> ComplexModes:
@@ -259,6 +205,8 @@ def complex_modes(
     A mode gets the number of the undamped mode nearest in frequency, taken midway between ring
     free and ring locked, so that the total distance is least.
     """
+    from scipy.optimize import linear_sum_assignment  # here: loading it takes a quarter second
+
     if isinstance(chain_or_system, ForcedResponse):
         chain, system = chain_or_system.chain, chain_or_system.system
     else:
@@ -285,14 +233,14 @@ def complex_modes(
     largest = nodes[np.arange(upper.size), np.argmax(np.abs(nodes), axis=1)]
     middle = undamped if locked is None else np.sqrt(undamped * locked)
     damped = np.abs(upper) / (2.0 * np.pi)
-    rows, columns = least_pairs(np.abs(np.log(damped[:, np.newaxis] / middle)))
+    rows, columns = linear_sum_assignment(np.abs(np.log(damped[:, np.newaxis] / middle)))
     numbers = np.zeros(damped.size, dtype=np.int64)
     numbers[rows] = columns + 1
     # An eigenvalue is of its own mode, or of that of which it is the mirror image.
     places = np.full(eigenvalues.size, -1, dtype=np.int64)
     mirrored = np.flatnonzero(eigenvalues.imag < 0.0)
     apart = np.abs(eigenvalues[vibrating, np.newaxis].imag + eigenvalues[mirrored].imag)
-    rows, columns = least_pairs(apart)
+    rows, columns = linear_sum_assignment(apart)
     places[mirrored[columns]] = rows
     places[vibrating] = np.arange(vibrating.size)
     return ComplexModes(

@@ -54,7 +54,9 @@ class OverSpeed:
         if speeds.size == 2:
             square = (values[1] - values[0]) / (speeds[1] ** 2 - speeds[0] ** 2)
             return cls(speeds, np.array([[square, 2.0 * speeds[0] * square, values[0]]]))
-        return cls(speeds, _cubic_spline(speeds, values))
+        from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+        return cls(speeds, np.asarray(CubicSpline(speeds, values).c).swapaxes(0, 1))
 
     def pieces(self, speeds: Array) -> Integers:
         """Return the pieces of speeds; the first and the last one are extrapolated."""
@@ -69,37 +71,6 @@ class OverSpeed:
         for power in range(1, self.coefficients.shape[1]):
             total = total * above + self.coefficients[pieces, power, order_index]
         return np.asarray(total)
-
-
-def _cubic_spline(places: Array, values: ComplexArray) -> ComplexArray:
-    """Coefficients (pieces, 4, ...) of the cubic spline without knots next to its ends, a parabola of three.
-
-    As `scipy.interpolate.CubicSpline` has them, whose loading takes a quarter of a second.
-    """
-    from scipy.linalg import solve_banded  # here: engine files are read without it
-
-    steps = np.diff(places).reshape(-1, *(1,) * (values.ndim - 1))
-    rises = np.diff(values, axis=0) / steps
-    bands, known = np.zeros((3, places.size)), np.empty_like(values)
-    step = steps.ravel()
-    bands[1, 1:-1] = 2.0 * (step[:-1] + step[1:])
-    bands[0, 2:], bands[2, :-2] = step[:-1], step[1:]
-    known[1:-1] = 3.0 * (steps[1:] * rises[:-1] + steps[:-1] * rises[1:])
-    if places.size == 3:
-        bands[1, [0, -1]] = bands[0, 1] = bands[2, 1] = 1.0
-        known[0], known[-1] = 2.0 * rises[0], 2.0 * rises[-1]
-    else:
-        for near, far, beside in ((0, 1, (0, 1)), (-1, -2, (2, -2))):
-            both = step[near] + step[far]
-            bands[1, near], bands[beside] = step[far], both
-            known[near] = (
-                (step[near] + 2.0 * both) * step[far] * rises[near] + step[near] ** 2 * rises[far]
-            ) / both
-    slopes = solve_banded((1, 1), bands, known.reshape(places.size, -1)).reshape(values.shape)
-    bends = (slopes[:-1] + slopes[1:] - 2.0 * rises) / steps
-    return np.stack(
-        [bends / steps, (rises - slopes[:-1]) / steps - bends, slopes[:-1], values[:-1]], axis=1
-    )
 
 
 # Room for the round-off of a speed at the end of a range.

@@ -3,7 +3,6 @@
 import json
 import math
 import pickle
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -548,19 +547,6 @@ def test_vibration_command(call, monkeypatch, tmp_path):
     assert len(rows) == 720
     assert len(names.split(",")) == 3 + 4
     assert (tmp_path / "p" / "torsional_stress.svg").is_file()
-
-
-@pytest.mark.slow
-def test_vibration_loads_no_parts_of_scipy_but_algebra(spawn):
-    """Each of the others takes up to a second, which every command would wait for."""
-    code = (
-        "import sys; from crankfem.cli.entry import main; main(); "
-        "print(*{name.split('.')[1] for name in sys.modules if name.startswith('scipy.')})"
-    )
-    answer = spawn("6chn25-34", command=[sys.executable, "-c", code, "vibration"])
-    loaded = {*answer.out.splitlines()[-1].split()}
-    assert loaded.isdisjoint({"fft", "integrate", "interpolate", "optimize", "special", "stats"})
-    assert "linalg" in loaded, answer.err
 
 
 @pytest.mark.slow

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import linear_sum_assignment
 from scipy.signal import peak_prominences
 
 from comparing import close
@@ -15,7 +14,7 @@ from dynamics.assessment.separation import major_criticals
 from dynamics.chains.chain import Chain, Gear
 from dynamics.chains.dampers import RubberDamper, ViscousDamper
 from dynamics.critical import critical_speeds, vector_sums
-from dynamics.response.complex_modes import complex_modes, least_pairs
+from dynamics.response.complex_modes import complex_modes
 from dynamics.response.damped_criticals import LEAST_PEAK, NEARLY, damped_criticals
 from dynamics.response.forced import forced_response
 from dynamics.response.harmonic import damped_modes
@@ -62,18 +61,6 @@ def response(chain, orders=(1.0, 2.0), node=0, speeds=SPEEDS):
     forces = np.zeros((len(orders), len(speeds), given.inertia.size), dtype=complex)
     forces[:, :, node] = 10.0
     return forced_response(chain, OrderExcitation(orders, speeds, forces))
-
-
-def test_pairs_of_least_sum_are_those_of_scipy():
-    random = np.random.default_rng(1)
-    for case in range(400):
-        size = random.integers(0, 9, 2)
-        # Of few whole numbers many sums are equal.
-        costs = random.integers(-2, 2, size).astype(float) if case % 2 else random.random(size)
-        rows, columns = linear_sum_assignment(costs)
-        paired = least_pairs(costs)
-        assert paired[0].tolist() == rows.tolist()
-        assert paired[1].tolist() == columns.tolist()
 
 
 def test_a_mode_that_creeps_is_none():

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.interpolate import CubicSpline
 
 from comparing import close
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
@@ -37,7 +36,7 @@ from dynamics.gas.pressure import cylinder_volume, gas_pressure, motored_from_co
 from dynamics.harmonics import harmonics
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import damped
-from dynamics.response.order_excitation import OrderExcitation, OverSpeed
+from dynamics.response.order_excitation import OrderExcitation
 from equilibrium import unbalanced
 from parts_in_a_line import cylinder as made_cylinder
 from refusals import refusals, refusals_of, refused
@@ -388,16 +387,3 @@ test_refused_calls = refusals(
     ("tangential", lambda: torsion_influence(np.ones((2, 3)), np.ones(3), RADIUS)),
     ("measure", lambda: propeller_load(100.0, measure="thrust")),
 )
-
-
-@pytest.mark.parametrize("count", [3, 4, 5, 40])
-def test_amplitudes_over_the_speed_are_the_splines_of_scipy(count):
-    random = np.random.default_rng(count)
-    speeds = np.sort(random.uniform(10.0, 200.0, count))
-    real, imaginary = random.normal(size=(2, 2, count, 3))
-    curves = OverSpeed.of(speeds, real + 1j * imaginary)
-    theirs = CubicSpline(speeds, (real + 1j * imaginary).swapaxes(0, 1))
-    between = np.linspace(speeds[0], speeds[-1], 101)
-    for order in (0, 1):
-        drawn = curves.at(np.full(101, order), between)
-        assert np.max(np.abs(drawn - theirs(between)[:, order])) < 1e-13 * np.max(np.abs(drawn))
