@@ -1,4 +1,4 @@
-"""Long records of a wheel's voltage: in pieces, fast, and in little memory."""
+"""Long records of a wheel's voltage: in pieces, and in little memory."""
 
 import subprocess
 import sys
@@ -11,15 +11,14 @@ from crankfem.satellites.measured.pulses import pulse_times
 
 RATE, TURNS = 1e5, 25.0
 MEASURED = """
-import re, sys, time
+import re, sys
 from crankfem.satellites.measured.pulses import pulse_times
 from crankfem.satellites.measured.records.reading import read_record
 wheel = read_record(sys.argv[1]).channel("wheel")
-begin = time.process_time()
 pulses = pulse_times(wheel.column.read(2**21), wheel.rate)
 # Its own peak: that of `resource` begins with the process that started it.
 peak = re.search(r"VmHWM:\\s+(\\d+) kB", open("/proc/self/status").read())[1]
-print(pulses.size, time.process_time() - begin, peak)
+print(pulses.size, peak)
 """
 
 
@@ -44,7 +43,7 @@ def test_pieces_that_end_in_the_gap_of_the_wheel_change_no_pulse(size):
 
 @pytest.mark.further
 @pytest.mark.skipif(sys.platform != "linux", reason="has no /proc")
-def test_a_hundred_million_samples_take_twenty_seconds_and_a_gigabyte(tmp_path):
+def test_a_hundred_million_samples_take_a_gigabyte(tmp_path):
     import h5py
 
     count, block = 100_000_000, 5_000_000
@@ -57,7 +56,6 @@ def test_a_hundred_million_samples_take_twenty_seconds_and_a_gigabyte(tmp_path):
         [sys.executable, "-c", MEASURED, tmp_path / "record.h5"],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
-    pulses, seconds, kilobytes = map(float, run.stdout.split())
+    pulses, kilobytes = map(float, run.stdout.split())
     assert pulses in (25_000 * 58 - 1, 25_000 * 58)  # the first is at the first sample
-    assert seconds < 20.0
     assert kilobytes < 1e6
