@@ -474,8 +474,8 @@ class Chain:
         Notes
         -----
         The round-off error of all frequencies is relative to the highest one; see `elastic_modes`.
-        Where a mode of a row decays towards an end, its small displacements follow from the
-        equations of the nodes there, so in a free row mode j has exactly j nodes, as in theory.
+        Where a mode decays towards an end of a row or branch, its small displacements follow from the
+        equations of the nodes there, so in a free chain mode j has exactly j nodes, as in theory.
         """
         expand, rows = self.expansion(), self.spring_rows()
         rigid, names = self.rigid_motions()
@@ -483,8 +483,11 @@ class Chain:
         count = expand.shape[1] - rigid.shape[1]
         frequencies, reduced = elastic_modes(rows @ expand, expand.T @ mass @ expand, count)
         shapes = expand @ reduced
-        if self.is_row and not self.gears and not np.any(self.distributed_inertia):
-            shapes = self._with_accurate_tails(shapes, frequencies)
+        parts, _ = speed_ratios(self.connections, self.gears, self.inertia.size)
+        without_loops = len(self.connections) == self.inertia.size - int(parts.max()) - 1
+        if without_loops and not self.gears:
+            for shape, frequency in zip(shapes.T, frequencies.tolist(), strict=True):
+                shape[:] = with_accurate_tails(shape, frequency, mass, stiffness, self.connections)
         shapes = scaled(np.column_stack((rigid, shapes)))
         frequencies = np.concatenate((np.zeros(rigid.shape[1]), frequencies))
         residual = eigen_residual(frequencies, shapes, mass, stiffness, expand)
@@ -513,17 +516,6 @@ class Chain:
             node_names=self.names,
             connections=self.connections,
         )
-
-    def _with_accurate_tails(self, shapes: Array, frequencies: Array) -> Array:
-        """Return the modes, one per column, accurate up to their far ends."""
-        root_inertia = np.sqrt(self.inertia)
-        diagonal = np.diag(self.stiffness_matrix()) / self.inertia
-        off_diagonal = -self.stiffness / (root_inertia[:-1] * root_inertia[1:])
-        columns = [
-            with_accurate_tails(mode, diagonal, off_diagonal, frequency**2) / root_inertia
-            for mode, frequency in zip((shapes.T * root_inertia), frequencies.tolist(), strict=True)
-        ]
-        return np.column_stack(columns) if columns else shapes
 
     def spring_rows(self) -> Array:
         """Return C with C' C = K: one row per element, then one per node, shape (e + n, n)."""

@@ -251,55 +251,57 @@ TAIL_SHARE = 1e-5
 
 
 def with_accurate_tails(
-    normalized: Array, diagonal: Array, off_diagonal: Array, eigenvalue: float
+    shape: Array,
+    frequency: float,
+    mass: Array,
+    stiffness: Array,
+    connections: tuple[tuple[int, int], ...],
 ) -> Array:
     """Return a mode whose displacements at the far ends have the right sign and full accuracy.
 
     A mode of a long chain may be confined to a few inertias and decay by a factor at each further one;
     there an eigenvalue routine leaves round-off of the largest displacement. The equation of
-    motion of the end node gives the ratio of its displacement to that of its neighbor, the next
-    equation the next ratio, and so on; from the end inwards this is stable in the tail.
+    motion of an end node gives the ratio of its displacement to that of its neighbor, the next
+    equation the next ratio, and so on; from the ends inwards this is stable in the tail.
 
     Parameters
     ----------
-    normalized : ndarray of shape (n,)
-        Mass-normalized mode of the symmetric tridiagonal matrix A.
-    diagonal, off_diagonal : ndarray of shape (n,) and (n - 1,)
-        A [rad^2/s^2], all off-diagonal entries negative.
-    eigenvalue : float
-        The mode's eigenvalue of A [rad^2/s^2].
+    shape : ndarray of shape (n,)
+    frequency : float
+        Its angular frequency [rad/s].
+    mass, stiffness : ndarray of shape (n, n)
+    connections : tuple of tuples
+        Pairs of nodes of the elements, without loops.
 
     Returns
     -------
     ndarray of shape (n,)
         The mode, its well-determined part unchanged.
     """
-    shape = normalized.copy()
-    large = np.flatnonzero(np.abs(shape) >= TAIL_SHARE * np.max(np.abs(shape)))
-    first, last = int(large[0]), int(large[-1])
-    _replace_left_tail(shape, diagonal, off_diagonal, eigenvalue, first)
-    from_right = shape[::-1]
-    _replace_left_tail(
-        from_right, diagonal[::-1], off_diagonal[::-1], eigenvalue, shape.size - 1 - last
-    )
+    normalized = np.abs(shape) * np.sqrt(np.diag(mass))
+    large = normalized >= TAIL_SHARE * np.max(normalized)
+    if np.all(large):
+        return shape
+    shape, dynamic = shape.copy(), stiffness - frequency**2 * mass
+    neighbors: dict[int, list[int]] = {node: [] for node in range(shape.size)}
+    for left, right in connections:
+        neighbors[left].append(right)
+        neighbors[right].append(left)
+    # Outwards from the largest displacement, each node after the one before it.
+    outwards = [int(np.argmax(normalized))]
+    before: dict[int, int] = {}
+    for node in outwards:
+        further = [other for other in neighbors[node] if other != before.get(node)]
+        before.update(dict.fromkeys(further, node))
+        outwards += further
+    pivots = np.diag(dynamic).copy()
+    for node in reversed(outwards[1:]):
+        inner, coupling = before[node], dynamic[before[node], node]
+        if pivots[node] == 0.0:
+            pivots[node] = np.finfo(np.float64).eps * abs(coupling)
+        pivots[inner] -= coupling**2 / pivots[node]
+        large[inner] |= large[node]
+    for node in outwards[1:]:
+        if not large[node]:
+            shape[node] = -dynamic[before[node], node] / pivots[node] * shape[before[node]]
     return shape
-
-
-def _replace_left_tail(
-    shape: Array,
-    diagonal: Array,
-    off_diagonal: Array,
-    eigenvalue: float,
-    length: int,
-) -> None:
-    """Set shape[:length], in place, from shape[length] and the equations of the nodes there."""
-    ratios = np.zeros(length)
-    carried = 0.0
-    for node in range(length):
-        pivot = diagonal[node] - eigenvalue + carried
-        if pivot == 0.0:
-            pivot = np.finfo(np.float64).eps * diagonal[node]
-        ratios[node] = -off_diagonal[node] / pivot
-        carried = off_diagonal[node] * ratios[node]
-    for node in range(length - 1, -1, -1):
-        shape[node] = ratios[node] * shape[node + 1]

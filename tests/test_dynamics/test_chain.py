@@ -76,6 +76,21 @@ def test_modes_are_orthogonal_and_scaled(values):
     assert modes.residual < 1e-13
 
 
+@given(st.integers(0, 2**32 - 1))
+def test_mode_number_counts_the_nodes_of_branches_too(seed):
+    """Of a tree, with inertia along its shafts, whose modes decay into far ends."""
+    random = np.random.default_rng(seed)
+    count = random.integers(3, 14)
+    chain = Chain(
+        10 ** random.uniform(-2.0, 3.0, count),
+        10 ** random.uniform(5.0, 9.0, count - 1),
+        connections=tuple((int(random.integers(node)), node) for node in range(1, count)),
+        distributed_inertia=10 ** random.uniform(-3.0, 2.0, count - 1),
+    )
+    counts = [len(positions) for positions in chain.modes().node_positions]
+    assert counts == list(range(count))
+
+
 @pytest.mark.slow
 @given(chain_values())
 def test_mode_number_counts_the_nodes(values):
