@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
@@ -124,7 +125,7 @@ class MeasuredOrders:
         """Unit of the amplitudes."""
         return UNITS[self.quantity]
 
-    @property
+    @cached_property
     def independent(self) -> float:
         """Number of independent speeds over that of all: overlapping windows count once."""
         return float(self.speed.size / np.sum(self.correlation))

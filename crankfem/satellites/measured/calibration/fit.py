@@ -76,11 +76,6 @@ class Observation:
         w = np.outer(measured.speed, measured.orders).ravel()
         return w, np.repeat(measured.speed, measured.orders.size)
 
-    @cached_property
-    def share(self) -> float:
-        """Number of independent values over that of all: overlapping windows count once."""
-        return float(len(self.measured.correlation) / np.sum(self.measured.correlation))
-
     def thinned(self, most: int) -> "Observation":
         """Return the observation at up to so many of its speeds."""
         count = self.measured.speed.size
@@ -424,7 +419,9 @@ class Rows:
             weights = None if self._weights is None else self._weights[number]
             off, rates = problem.compared(parameters, number)
             off, rates = (without_constants(each, some, weights) for some in (off, rates))
-            scale = np.sqrt(each.share * (np.ones_like(off) if weights is None else weights))
+            scale = np.sqrt(
+                each.measured.independent * (np.ones_like(off) if weights is None else weights)
+            )
             residuals.append((scale * off).ravel())
             slopes.append((scale[..., np.newaxis] * rates).reshape(-1, problem.size))
         prior = np.eye(problem.groups, problem.size)
@@ -451,7 +448,7 @@ class _WithConstants:
                 for part in range(parts):
                     block[part, :, order, part, place] = 1.0 / each.measured.scatter[:, order]
             rows.append(block.reshape(parts * count * orders, -1))
-            shares.append(np.full(parts * count * orders, each.share))
+            shares.append(np.full(parts * count * orders, each.measured.independent))
         self._constants = np.asarray(block_diag(*rows))
         # One deviation of a constant is then one of the value known best.
         scale = np.sqrt(np.sum(self._constants**2, axis=0))
@@ -522,7 +519,7 @@ def _judged(problem: Problem, parameters: Array, robust: bool, starts: tuple[flo
         rates = without_constants(each, rates)
         parts, count, orders = off.shape
         flat = rates.reshape(parts, count, orders, -1)
-        share = each.share
+        share = each.measured.independent
         bread += share * np.einsum("smkp,smkq->pq", flat, flat, optimize=True)
         beside = np.einsum("mn,snkq->smkq", each.measured.correlation, flat, optimize=True)
         meat += share**2 * np.einsum("smkp,smkq->pq", flat, beside, optimize=True)

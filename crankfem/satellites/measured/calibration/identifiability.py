@@ -195,5 +195,5 @@ def _expected(fit: Fit, observation: Observation) -> Array:
         observation, measured=replace(observation.measured, amplitude=y, scatter=scatter)
     )
     _, slopes = Problem(problem.shaft, (scaled,)).compared(parameters, 0)
-    slopes = np.sqrt(scaled.share) * without_constants(scaled, slopes)
+    slopes = np.sqrt(scaled.measured.independent) * without_constants(scaled, slopes)
     return _information(slopes.reshape(-1, problem.size), problem.groups)
