@@ -26,7 +26,7 @@ from fem.superelement import superelement_of_end_forces
 from fem.supports import Compliances, Neighbors, Support, reactions
 from fem.symmetry import Sections
 from geometry.any_throw import Throw
-from geometry.boundary_motion import ZERO
+from geometry.boundary_motion import lengths_of
 from geometry.mass import Unbalance, unbalance
 from geometry.throw import CrankThrow
 
@@ -327,8 +327,9 @@ class ThrowResults(Result):
             "P and Mx: reactions of the right and the left end to a radial force on the first pin; estimated "
             f"error of each slope {errors[0]:.3f} to {errors[-1]:.3f}"
         ]
-        reasons = slope.left_out if left_out else {}
-        if zero := [path for path, reason in reasons.items() if reason == ZERO]:
+        throw, reasons = self.dimensions, slope.left_out if left_out else {}
+        sizes = lengths_of(throw) if isinstance(throw, CrankThrow) else {}
+        if zero := [path for path in reasons if sizes[path] == 0.0]:
             words.append(f"no slope where a dimension is zero ({', '.join(zero)})")
         words += [f"{path}: {why}" for path, why in reasons.items() if path not in zero]
         return f"{'; '.join(words)}."
