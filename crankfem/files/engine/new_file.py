@@ -3,6 +3,7 @@
 import math
 import re
 import tomllib
+from collections.abc import Callable, Mapping
 from importlib.resources import files
 from string import Template
 
@@ -44,6 +45,14 @@ IN_LINE: dict[int, dict[int, tuple[int, ...]]] = {
 MOST_CYLINDERS, USUAL = 20, 8
 # Smallest and largest angle between banks, and the one that is preferred [deg].
 V_ANGLES, USUAL_V_ANGLE = (45.0, 180.0), 60.0
+ABOUT = """\
+# An engine file of crankfem. All values are examples of a medium-speed diesel engine, marked as assumed:
+# replace them with yours, then
+"""
+OTHERS = Template("""\
+# For others start from `crankfem new $file --cylinders 3`, a V engine from `crankfem new $file --cylinders 12
+# --v-angle even`: angles, order and main bearings then fit. `--from 8chn26-26` shows rods hinged to others.
+""")
 # Two rods side by side need a longer pin.
 IN_LINE_SIZES = {"main_journal_length": "135 mm", "pin_length": "139 mm", "beside": ""}
 V_SIZES = {
@@ -132,23 +141,56 @@ def engine_template(
             'angles, or "even".'
         )
     title = f"{cylinders} {'cylinder' if cylinders == 1 else 'cylinders'} {arranged}"
-    text = files("crankfem.files.engine").joinpath("template.toml").read_text(encoding="utf-8")
-    return Template(text).substitute(
-        sizes,
-        title=f"{title}, {strokes}-stroke",
-        file=file,
-        name=f"Example, {title}",
-        cylinders=cylinders,
-        strokes=strokes,
-        thrust=throws + 1,
-        like=like,
-        crank_angles=angles_text(np.tile(cranks, banks)),
-        throw_angles=angles_text(cranks),
-        bank_lines=bank_lines,
-        evenly=steps_text(steps),
-        firing_order=", ".join(map(str, 1 + np.argsort(np.round(fires, 6), kind="stable"))),
-        highest_order=max(12, 2 * cylinders // strokes),  # that at which all cylinders act in phase
+    crank_angles = angles_text(np.tile(cranks, banks))
+    return filled_template(
+        "engine",
+        {
+            "title": f"{title}, {strokes}-stroke",
+            "about": ABOUT,
+            "file": file,
+            "name": f"Example, {title}",
+            "cylinders": cylinders,
+            "strokes": strokes,
+            "stroke": example_text("340 mm"),
+            "thrust": throws + 1,
+            "like": like,
+            "crank_angles": f'{{ value = [{crank_angles}], assumed = "{like}" }}',
+            "bank_lines": bank_lines,
+            "evenly": steps_text(steps),
+            "firing_order": ", ".join(map(str, 1 + np.argsort(np.round(fires, 6), kind="stable"))),
+            "others": OTHERS.substitute(file=file),
+            "crankshaft": filled_template("throw", sizes | {"throw_angles": angles_text(cranks)}),
+            "flange": "",
+            # That at which all cylinders act in phase.
+            "highest_order": max(12, 2 * cylinders // strokes),
+            "study": filled_template("study", {}),
+        },
     )
+
+
+class _Places(Template):
+    """A text with places: $name or ${name}, and ${500 1/min: why} for an example of a value."""
+
+    braceidpattern = "[^{}]+"
+
+
+def example_text(example: str) -> str:
+    """Write "500 1/min: why" as a value that is assumed."""
+    quantity, colon, why = example.partition(":")
+    return f'{{ value = "{quantity}", assumed = "example{colon}{why}" }}'
+
+
+def filled_template(
+    part: str, places: Mapping[str, object], example: Callable[[str], str] = example_text
+) -> str:
+    """Return a part of the template ("engine", "throw", "study") with its places filled in.
+
+    `example` writes the examples of values, as `example_text`.
+    """
+    folder = files("crankfem.files.engine") / "template"
+    template = _Places(folder.joinpath(f"{part}.toml").read_text(encoding="utf-8"))
+    examples = {place: example(place) for place in template.get_identifiers() if " " in place}
+    return template.substitute({**places, **examples})
 
 
 def template_throw(text: str) -> CrankThrow:

@@ -2,16 +2,21 @@
 
 import math
 import os
-import re
 import shlex
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
+from functools import partial
 from pathlib import Path
 from string import Template
 
 import numpy as np
 
-from crankfem.files.engine.new_file import BANKS, IN_LINE, IN_LINE_SIZES, angles_text, steps_text
+from crankfem.files.engine.new_file import (
+    BANKS,
+    IN_LINE,
+    angles_text,
+    filled_template,
+    steps_text,
+)
 from crankfem.satellites.cad.run import FLANGE, CadRun
 from dynamics.engine.layout import (
     even_firing_order,
@@ -24,12 +29,6 @@ from dynamics.engine.layout import (
 # piston speeds, so that a value of this unit varies with this power of the size.
 EXAMPLE_RADIUS = 0.17
 POWERS = {"mm": 1, "kg": 3, "kg m^2": 5, "1/min": -1, "N/m": 1, "MPa": 0}
-EXAMPLE = re.compile(r'\{ value = "([\d.e]+) ([^"]+)", assumed = "example([^"]*)" \}')
-# Of the template: its first words, the hint at other arrangements, the throw and all to the rods, the study.
-HEAD = re.compile(r"(?m)^# An engine file of crankfem.*\n.*\n")
-OTHERS = re.compile(r"(?m)^# For others start.*\n.*\n")
-SHAFT = re.compile(r"(?s)# ---- One crank throw.*?(?=# ---- What moves)")
-STUDY = re.compile(r"(?s)# Finite elements over ranges.*?(?=# Short names)")
 STEEL_TEXT = (
     ("youngs_modulus", '"210 GPa"'),
     ("poisson_ratio", "0.3"),
@@ -78,65 +77,54 @@ def engine_text(
         (_fired(cranks, each) for each in (axes, [-axis for axis in axes])),
         key=lambda fired: (-fired[0], round(np.ptp(firing_intervals(fired[1], fired[0])), 6)),
     )
-    banks = Template(written_banks).substitute(angles=angles_text(np.array(axes)))
-    text = files("crankfem.files.engine").joinpath("template.toml").read_text(encoding="utf-8")
-    text = Template(text).substitute(
-        IN_LINE_SIZES,
-        title=f"The engine of the crankshaft in {source}",
-        file=shlex.quote(path.name),
-        name=path.stem,
-        cylinders=len(cranks),
-        strokes=strokes,
-        thrust=throws + 1,
-        like=like,
-        crank_angles=angles_text(np.array(cranks)),
-        throw_angles="",
-        bank_lines=banks,
-        evenly=steps_text(np.degrees(firing_intervals(fires, strokes))),
-        firing_order=", ".join(map(str, order)),
-        highest_order=max(12, 2 * len(cranks) // strokes),
-    )
-    # CAD tells neither; a V engine's shaft looks like one in line.
-    for name, why in (("cylinders", arranged), ("strokes", like)):
-        text = re.sub(
-            rf"(?m)^{name} = (\d+)$", rf'{name} = {{ value = \1, assumed = "{why}" }}', text
-        )
-    radius = shaft.throws[0].crank_radius
-    of_solid = f'source = "{source}"'
-    text = text.replace(
-        'stroke = { value = "340 mm", assumed = "example" }',
-        f'stroke = {{ value = "{_millimeters(2.0 * radius)}", {of_solid} }}',
-    )
-    text = re.sub(r"(?m)^(crank_angles = .*?), assumed = .*", rf"\1, {of_solid} }}", text)
+    radius, of_solid = shaft.throws[0].crank_radius, f'source = "{source}"'
+    of_cylinders = Template(written_banks).substitute(angles=angles_text(np.array(axes)))
     if pins > throws:
         on_throws = ", ".join(str(1 + place * throws // pins) for place in range(pins))
-        text = text.replace(
-            "# Cylinder numbers as they", f"throws = [{on_throws}]\n# Cylinder numbers as they"
-        )
-    text = HEAD.sub(
-        f'# Written by crankfem from "{source}", which gives throws, angles, masses and stroke. Values\n'
-        f"# marked as assumed are examples of this stroke, cylinders {arranged}: replace them, then\n",
-        text,
+        of_cylinders += f"throws = [{on_throws}]\n"
+    flange = "".join(
+        f"# Its mass and inertia include those of the flange, {end.mass:.4g} kg and "
+        f"{end.inertia_about_shaft:.4g} kg m^2.\n"
+        f'overhang = {{ value = "{_millimeters(end.length)}", source = "{source}: far side of the '
+        'flange" }\n'
+        for end in run.ends
+        if end.name == FLANGE
     )
-    text = STUDY.sub("", OTHERS.sub("", text))
-    text = SHAFT.sub(lambda _: _shaft(run, path, of_solid, dimensions, pins > throws), text)
-    ends = {end.name: end for end in run.ends}
-    if FLANGE in ends:
-        flange = ends[FLANGE]
-        text = text.replace(
-            "[flywheel]\n",
-            f"# Its mass and inertia include those of the flange, {flange.mass:.4g} kg and "
-            f"{flange.inertia_about_shaft:.4g} kg m^2.\n[flywheel]\n"
-            f'overhang = {{ value = "{_millimeters(flange.length)}", source = "{source}: far side of the '
-            'flange" }\n',
-        )
-    scale = radius / EXAMPLE_RADIUS
+    return filled_template(
+        "engine",
+        {
+            "title": f"The engine of the crankshaft in {source}",
+            "about": f'# Written by crankfem from "{source}", which gives throws, angles, masses and stroke. '
+            f"Values\n# marked as assumed are examples of this stroke, cylinders {arranged}: replace them, "
+            "then\n",
+            "file": shlex.quote(path.name),
+            "name": path.stem,
+            # CAD tells neither; a V engine's shaft looks like one in line.
+            "cylinders": f'{{ value = {len(cranks)}, assumed = "{arranged}" }}',
+            "strokes": f'{{ value = {strokes}, assumed = "{like}" }}',
+            "stroke": f'{{ value = "{_millimeters(2.0 * radius)}", {of_solid} }}',
+            "thrust": throws + 1,
+            "like": like,
+            "crank_angles": f"{{ value = [{angles_text(np.array(cranks))}], {of_solid} }}",
+            "bank_lines": of_cylinders,
+            "evenly": steps_text(np.degrees(firing_intervals(fires, strokes))),
+            "firing_order": ", ".join(map(str, order)),
+            "others": "",
+            "crankshaft": _shaft(run, path, of_solid, dimensions, pins > throws),
+            "flange": flange,
+            "highest_order": max(12, 2 * len(cranks) // strokes),
+            "study": "",
+        },
+        partial(_example_of_size, radius / EXAMPLE_RADIUS),
+    )
 
-    def scaled(match: re.Match[str]) -> str:
-        value = float(f"{float(match[1]) * scale ** POWERS[match[2]]:.3g}")
-        return f'{{ value = "{value:g} {match[2]}", assumed = "example of this stroke{match[3]}" }}'
 
-    return EXAMPLE.sub(scaled, text)
+def _example_of_size(scale: float, example: str) -> str:
+    """Write an example of the template for an engine so many times as large."""
+    quantity, colon, why = example.partition(":")
+    number, unit = quantity.split(" ", 1)
+    value = float(f"{float(number) * scale ** POWERS[unit]:.3g}")
+    return f'{{ value = "{value:g} {unit}", assumed = "example of this stroke{colon}{why}" }}'
 
 
 def firing_order(
