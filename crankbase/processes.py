@@ -36,7 +36,7 @@ NO_PIPE = -1
 LOOK = 0.5
 # So many new objects are made before Python looks for circles of references among them: with its own number
 # it does so all through the loading of libraries, which makes a twentieth of a run.
-GARBAGE_THRESHOLD = 100_000
+GARBAGE_THRESHOLD = 200_000
 # A folder in which a dying process still writes is removed by one of so many tries, so many seconds apart.
 TRIES, PAUSE = 20, 0.05
 

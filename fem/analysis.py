@@ -41,7 +41,6 @@ from fem.end_reactions import (
 )
 from fem.first_mesh import MOST_UNKNOWNS, REFINED_DRILLED, first_factor, most_planned
 from fem.material import STEEL, Material
-from fem.modes import DynamicSuperelement, ThrowModes, dynamic_superelement, free_modes
 from fem.plots import ANGLES_DEG, LABELS, Compliance, check_compliance, plot_compliance
 from fem.solver import SharedSolver, Stopwatch, assemble_stiffness
 from fem.superelement import (
@@ -97,6 +96,7 @@ from geometry.throw import CrankThrow
 if TYPE_CHECKING:
     from fem.exchange import SkfemThrow
     from fem.fillet_peaks import LoadedThrow
+    from fem.modes import DynamicSuperelement, ThrowModes
     from fem.sensitivities import DimensionChange, Sensitivities
 
 
@@ -509,7 +509,7 @@ class ThrowAnalysis(SolvedSuperelement):
 
     def free_modes(
         self, count: int | None = None, highest_frequency: float | None = None
-    ) -> ThrowModes:
+    ) -> "ThrowModes":
         """Elastic natural modes of the throw without supports, with consistent masses.
 
         Parameters
@@ -526,12 +526,14 @@ class ThrowAnalysis(SolvedSuperelement):
         SolveError
             If the modes cannot be found.
         """
+        from fem.modes import free_modes
+
         highest, solver = highest_frequency, self.solver
         return free_modes(
             self.mesh, self.material, count=count, highest_frequency=highest, solver=solver
         )
 
-    def dynamic_superelement(self, highest_frequency: float) -> DynamicSuperelement:
+    def dynamic_superelement(self, highest_frequency: float) -> "DynamicSuperelement":
         """Stiffness and mass of the throw for vibration up to a frequency [Hz].
 
         Unknowns are the motions of the end sections and amplitudes of internal shapes, whose
@@ -545,6 +547,8 @@ class ThrowAnalysis(SolvedSuperelement):
         SolveError
             If the shapes cannot be found.
         """
+        from fem.modes import dynamic_superelement
+
         return dynamic_superelement(
             self.mesh, self.material, self.classes, highest_frequency, solver=self.solver
         )

@@ -2,7 +2,7 @@
 
 from geometry.any_throw import Throw
 from geometry.gmsh_session import shared_process
-from geometry.mesher import expected_unknowns
+from geometry.mesher import expected_unknowns, mesh_call
 from geometry.throw import CrankThrow
 
 # Size factor of the first mesh, and from which accuracy on it is how much coarser: answers are then within
@@ -38,5 +38,4 @@ def most_planned(throw: Throw, accuracy: float, planned: float) -> float:
 
 def begin_mesh(throw: Throw, accuracy: float) -> None:
     """Let the mesher begin the first mesh of an analysis of this throw to this accuracy."""
-    planned = throw, first_factor(throw, accuracy), "auto", None, ()
-    shared_process().begin("geometry.mesher:mesh_here", *planned, remarks=True)
+    shared_process().begin(*mesh_call(throw, first_factor(throw, accuracy)), remarks=True)

@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 from scipy import sparse
-from scipy.linalg import block_diag, eigh
+from scipy.linalg import eigh
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from crankbase.array_checks import Array, Flags, Integers, nonnegative_number, positive_number
@@ -66,6 +66,7 @@ from fem.symmetry import (
     SectionMotions,
     SymmetryClass,
     both_ends,
+    diagonal_blocks,
     section_turn,
     symmetry_classes,
 )
@@ -790,7 +791,7 @@ class DynamicSuperelement:
     def bending_turned(self, *, angle_deg: float) -> "DynamicSuperelement":
         """Return it with the sections' bending, and only that, in a turned frame."""
         turn = section_turn(self.sections, math.radians(angle_deg))
-        return self._changed(block_diag(np.eye(12), turn[12:, 12:]))
+        return self._changed(diagonal_blocks(np.eye(12), turn[12:, 12:]))
 
     def shared_with(self, sections: SectionMotions) -> "DynamicSuperelement":
         """Return it in section motions over another ring; see `Superelement.shared_with`."""
@@ -801,7 +802,7 @@ class DynamicSuperelement:
 
     def _changed(self, ends: Array) -> "DynamicSuperelement":
         """Return it with other motions of the end sections, matrix (2 n, 2 n)."""
-        change = block_diag(ends, np.eye(len(self.frequencies)))
+        change = diagonal_blocks(ends, np.eye(len(self.frequencies)))
         return replace(
             self,
             stiffness=change @ self.stiffness @ change.T,
@@ -920,7 +921,7 @@ def dynamic_superelement(
     count = len(inside.squares)
     mass = np.block([[mass, inside.coupling], [inside.coupling.T, np.eye(count)]])
     return DynamicSuperelement(
-        stiffness=block_diag(0.5 * (stiffness + stiffness.T), np.diag(inside.squares)),
+        stiffness=diagonal_blocks(0.5 * (stiffness + stiffness.T), np.diag(inside.squares)),
         mass=0.5 * (mass + mass.T),
         pin_loads=np.concatenate([end_pin_loads, inside.pin_loads], axis=1),
         frequencies=frequencies_of(inside.squares),

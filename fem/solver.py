@@ -24,7 +24,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from crankbase.array_checks import Array, Integers
 from crankbase.errors import InputError, SolveError
@@ -727,6 +726,8 @@ def _one_thread(mkl: Any) -> Iterator[None]:
 
 def _superlu(upper: sparse.csr_array) -> Callable[[Array], Array]:
     """Factorize with SuperLU; give what solves with the factors."""
+    from scipy.sparse.linalg import splu  # here: Pardiso does without
+
     full = upper + sparse.triu(upper, k=1).T
     try:
         factors = splu(

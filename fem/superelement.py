@@ -15,7 +15,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
-from scipy.linalg import block_diag, null_space, qr
 
 from crankbase.array_checks import Array, Flags, Integers, finite_vector, refuse_crank_radians
 from crankbase.choices import check_choice, check_kind
@@ -41,6 +40,7 @@ from fem.symmetry import (
     amplitude_shares,
     axial_class,
     both_ends,
+    diagonal_blocks,
     end_sections,
     end_surface,
     pin_surfaces,
@@ -148,7 +148,7 @@ class CondensedClass:
 def end_amplitudes(symmetry: SymmetryClass, sections: SectionMotions) -> Array:
     """Motions (2 n, k) of both end sections for unit amplitudes of a class; see `CondensedClass.ends`."""
     beyond = symmetry.unit_motions(sections.mirror_x[6:], sections.mirror_z[6:])
-    return np.asarray(block_diag(symmetry.ends, beyond))
+    return diagonal_blocks(symmetry.ends, beyond)
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,6 +411,8 @@ def _with_averaged_ends(
     the support of the part does not matter, so it is held at as many unknowns as it has rigid
     motions; the right rigid motion is added afterwards.
     """
+    from scipy.linalg import null_space, qr  # here: rigid sections do without
+
     # Loads of the class whose work is the mean motions of the meshed end sections.
     columns = []
     for section in end_sections(symmetry):

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import block_diag, pinvh, solve_banded
 
 from crankbase.array_checks import Array, Integers
 from crankbase.choices import is_number, whole_within
@@ -16,7 +15,14 @@ from crankbase.errors import InputError, quoted
 from crankbase.results import Internal, Quantity, Result, result
 from fem.end_reactions import LARGEST_LOAD, EndReaction, Reactions, motion_table
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, CondensedClass, Superelement, section_rotation
-from fem.symmetry import RADIAL, Distribution, NodalLoads, pin_load, pin_surfaces
+from fem.symmetry import (
+    RADIAL,
+    Distribution,
+    NodalLoads,
+    diagonal_blocks,
+    pin_load,
+    pin_surfaces,
+)
 from geometry.mesh import ThrowMesh
 
 LONGEST_CHAIN = 64
@@ -245,14 +251,15 @@ def _between_neighbors(throw: Superelement, pin_loads: Array, support: Neighbors
     @cache
     def turn(angle_deg: float) -> Array:
         angle = math.radians(angle_deg)
-        return block_diag(section_rotation(angle)[:2, :2], throw.sections.turn(angle))
+        return diagonal_blocks(section_rotation(angle)[:2, :2], throw.sections.turn(angle))
 
     if support.left_deg == support.right_deg:
         # An endless helix: the right section is the right neighbor's left one, which moves as this throw's
         # left one but turned. Motions that loads do not excite by symmetry may be without stiffness.
         turned = turn(support.right_deg)
         both = np.vstack([np.eye(len(turned)), turned])
-        moved = both @ pinvh(both.T @ condensed @ both, rtol=UNSOLVED) @ (both.T @ loads)
+        free = np.linalg.pinv(both.T @ condensed @ both, UNSOLVED, hermitian=True)
+        moved = both @ free @ (both.T @ loads)
     else:
         moved = _chain_motions(condensed, loads, support, turn)
     motions = np.zeros((len(throw.stiffness), loads.shape[1]))
@@ -278,12 +285,15 @@ def _middle_motions(
     throw: Array, loads: Array, support: Neighbors, turn: Callable[[float], Array], reach: int
 ) -> Array:
     """Coupled motions of the middle one of 2 reach + 1 throws."""
+    from scipy.linalg import solve_banded  # here: a throw in a helix does without
+
     count = len(throw) // 2
     stiffness = np.zeros((count * (2 * reach + 2),) * 2)
     sides = np.zeros((len(stiffness), loads.shape[1]))
     # Each section moves in the frame of the throw on its right: the throws of a side are alike.
     to_left, to_right = (
-        block_diag(np.eye(count), turn(angle)) for angle in (support.left_deg, support.right_deg)
+        diagonal_blocks(np.eye(count), turn(angle))
+        for angle in (support.left_deg, support.right_deg)
     )
     for places, both in ((range(reach), to_left), (range(reach, 2 * reach + 1), to_right)):
         own_stiffness, own_loads = both.T @ throw @ both, both.T @ loads

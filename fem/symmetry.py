@@ -24,7 +24,6 @@ from typing import Literal
 
 import numpy as np
 from scipy import sparse
-from scipy.linalg import block_diag
 
 from crankbase.array_checks import Array, Flags, Integers
 from crankbase.choices import check_choice
@@ -314,13 +313,22 @@ def rotation(angle: float) -> Array:
     return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
 
 
+def diagonal_blocks(*blocks: Array) -> Array:
+    """Matrix with these along its diagonal; scipy's function takes as long to load as a mesh to make."""
+    ends = np.cumsum([block.shape for block in blocks], axis=0)
+    whole = np.zeros(ends[-1])
+    for block, (row, column) in zip(blocks, ends.tolist(), strict=True):
+        whole[row - len(block) : row, column - block.shape[1] : column] = block
+    return whole
+
+
 def section_turn(sections: SectionMotions, angle: float) -> Array:
     """Matrix (2 n, 2 n) that turns the motions of two sections by an angle [rad] about z.
 
     They are in the order of a superelement's: six of the left and six of the right section, then those beyond
     the rigid ones of the left and of the right.
     """
-    return np.asarray(block_diag(*[rotation(angle)] * 4, *[sections.turn(angle)] * 2))
+    return diagonal_blocks(*[rotation(angle)] * 4, *[sections.turn(angle)] * 2)
 
 
 def both_ends(matrix: Array) -> Array:

@@ -30,10 +30,11 @@ from geometry.shapes import (
 )
 from geometry.sizes import SHARES, SizeMap, predict_unknowns, set_size_map, set_sizes, size_plan
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE, build_solid, part_end
-from geometry.throw import CrankThrow
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # the mesher's process does not load what reads dimensions
     from matplotlib.axes import Axes
+
+    from geometry.throw import CrankThrow
 
 
 # More unknowns than this are not tried: their factorization needs 20 GiB and minutes.
@@ -406,7 +407,7 @@ class ThrowMesh:
 
 
 def mesh_throw(
-    throw: CrankThrow,
+    throw: "CrankThrow",
     size_factor: float = 1.0,
     part: str = "auto",
     sizes: SizeMap | None = None,
@@ -445,8 +446,20 @@ def mesh_throw(
     MeshError
         If all strategies fail; the message states the last reason.
     """
-    part = checked_part(throw, part)
-    parts = throw.parts
+    return mesh_parts(
+        throw.parts, size_factor, checked_part(throw, part), sizes, attempts, on_remark
+    )
+
+
+def mesh_parts(
+    parts: ThrowParts,
+    size_factor: float,
+    part: str,
+    sizes: SizeMap | None,
+    attempts: tuple[str, ...],
+    on_remark: OnRemark | None = None,
+) -> ThrowMesh:
+    """Mesh a throw of these parts as `mesh_throw` does; its symmetry allows this part."""
     check_budget(
         predict_unknowns(parts, size_factor, part)
         if sizes is None

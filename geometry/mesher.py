@@ -1,6 +1,7 @@
 """Mesh throws in a separate process, so that a crash of the mesher is contained."""
 
 from collections.abc import Callable
+from typing import Any
 
 from crankbase.calls import ProcessLostError
 from crankbase.choices import check_kind
@@ -53,7 +54,6 @@ def mesh_isolated(
     """
     check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
     process = shared_process() if process is None else process
-    checked_part(throw, part)
     limit = time_limit + SECONDS_PER_UNKNOWN * expected_unknowns(throw, size_factor, sizes)
     attempts: tuple[str, ...] = ()
 
@@ -64,12 +64,7 @@ def mesh_isolated(
     while len(attempts) < len(MESHING_STRATEGIES):
         try:
             mesh: ThrowMesh = process.call(
-                "geometry.mesher:mesh_here",
-                throw,
-                size_factor,
-                part,
-                sizes,
-                attempts,
+                *mesh_call(throw, size_factor, part, sizes, attempts),
                 time_limit=limit,
                 on_remark=note,
             )
@@ -78,6 +73,28 @@ def mesh_isolated(
         else:
             return mesh
     raise all_failed(attempts)
+
+
+def mesh_call(
+    throw: Throw,
+    size_factor: float,
+    part: str = "auto",
+    sizes: SizeMap | None = None,
+    attempts: tuple[str, ...] = (),
+) -> tuple[Any, ...]:
+    """Function by name, and arguments, with which another process meshes a throw.
+
+    It gets only the parts of a throw of dimensions, so that it need not load what reads these.
+
+    Raises
+    ------
+    InputError
+        If the throw lacks that symmetry.
+    """
+    part = checked_part(throw, part)
+    if isinstance(throw, CrankThrow):
+        return "geometry.mesh:mesh_parts", throw.parts, size_factor, part, sizes, attempts
+    return "geometry.mesher:mesh_here", throw, size_factor, part, sizes, attempts
 
 
 def mesh_here(

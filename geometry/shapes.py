@@ -1,8 +1,11 @@
 """The 10-node tetrahedron: shape functions, tabulated once for all who integrate over elements, and facets.
 
-The functions are scikit-fem's, written out; its rules of quadrature are loaded when they are needed, while a
-mesh is made, because it takes longer to load than a mesh to make.
+The functions and the rules of quadrature of an analysis are scikit-fem's, written out, because it takes as
+long to load as a mesh to make; further rules are its own.
 """
+
+import math
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +16,28 @@ from crankbase.errors import MeshError
 # The two end nodes of each edge node 4..9, in scikit-fem's order, and of a triangle's 3..5.
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 TRIANGLE_EDGES = ((0, 1), (1, 2), (0, 2))
-# Quadrature that is exact for cubic functions (P. Keast, Moderate-degree tetrahedral quadrature formulas,
-# Comput. Methods Appl. Mech. Eng. 55, 1986).
-CUBIC_POINTS = np.column_stack([np.full(3, 1 / 4), np.full(3, 1 / 6), 1 / 6 + np.eye(3) / 3])
-CUBIC_WEIGHTS = np.array([-2 / 15, 3 / 40, 3 / 40, 3 / 40, 3 / 40])
+_FIVE, _FIFTEEN, _SHARE = math.sqrt(5), math.sqrt(15), math.sqrt(5 / 14)
+# Rules of quadrature by dimension and order: weights, relative to the whole, and barycentric coordinates of
+# points, which stand for all their permutations (tetrahedron: P. Keast, Moderate-degree tetrahedral
+# quadrature formulas, Comput. Methods Appl. Mech. Eng. 55, 1986; triangle, order 5: J. Radon, Zur
+# mechanischen Kubatur, Monatsh. Math. 52, 1948).
+RULES: dict[tuple[int, int], list[tuple[float, tuple[float, ...]]]] = {
+    (2, 2): [(1 / 3, (2 / 3, 1 / 6, 1 / 6))],
+    (2, 5): [
+        (9 / 40, (1 / 3, 1 / 3, 1 / 3)),
+        *(
+            ((155 + root) / 1200, ((9 - 2 * root) / 21, (6 + root) / 21, (6 + root) / 21))
+            for root in (_FIFTEEN, -_FIFTEEN)
+        ),
+    ],
+    (3, 2): [(1 / 4, ((5 + 3 * _FIVE) / 20, *[(5 - _FIVE) / 20] * 3))],
+    (3, 3): [(-4 / 5, (1 / 4,) * 4), (9 / 20, (1 / 2, 1 / 6, 1 / 6, 1 / 6))],
+    (3, 4): [
+        (-148 / 1875, (1 / 4,) * 4),
+        (343 / 7500, (11 / 14, 1 / 14, 1 / 14, 1 / 14)),
+        (56 / 375, (*[(1 + _SHARE) / 4] * 2, *[(1 - _SHARE) / 4] * 2)),
+    ],
+}
 # Corners of each facet, counterclockwise from outside.
 FACETS = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 MOST_NODES = 2_000_000  # more than any mesh within the budget has; the cube of it fits into 64 bits
@@ -57,11 +78,19 @@ def shapes_for_quadrature(order: int) -> tuple[Array, Array, Array]:
 
 def quadrature(dimension: int, order: int) -> tuple[Array, Array]:
     """Points (d, q) and weights (q,) of scikit-fem's rule of an order, on the triangle or tetrahedron."""
-    from skfem import MeshTet1, MeshTri1
-    from skfem.quadrature import get_quadrature
+    if (dimension, order) not in RULES:
+        from skfem import MeshTet1, MeshTri1
+        from skfem.quadrature import get_quadrature
 
-    where, weights = get_quadrature({2: MeshTri1, 3: MeshTet1}[dimension].elem.refdom, order)
-    return np.asarray(where), np.asarray(weights)
+        where, weights = get_quadrature({2: MeshTri1, 3: MeshTet1}[dimension].elem.refdom, order)
+        return np.asarray(where), np.asarray(weights)
+    points = [
+        (weight / math.factorial(dimension), *place[1:])
+        for weight, places in RULES[dimension, order]
+        for place in sorted(set(permutations(places)))
+    ]
+    weights, *where = np.array(points).T
+    return np.array(where), weights
 
 
 def triangle_shapes_at(where: Array) -> tuple[Array, Array]:
@@ -85,8 +114,8 @@ def determinants(gradients: Array, corners: Array) -> Array:
 
 def element_volumes(points: Array, elements: Integers) -> Array:
     """Volumes (m,) of straight or curved 10-node tetrahedra [m^3]; the determinant is a cubic."""
-    _, gradients = shapes_at(CUBIC_POINTS)
-    return np.asarray(determinants(gradients, points[elements]) @ CUBIC_WEIGHTS)
+    _, gradients, weights = shapes_for_quadrature(3)
+    return np.asarray(determinants(gradients, points[elements]) @ weights)
 
 
 def element_quadrature(points: Array, elements: Integers, order: int = 5) -> tuple[Array, Array]:

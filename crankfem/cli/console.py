@@ -13,8 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn
-from rich.progress import TimeElapsedColumn as Elapsed
 from rich.text import Text
 
 from crankbase.errors import InputError, first_sentences, visible, with_short_quotes
@@ -32,6 +30,8 @@ from crankfem.jobs.exit_codes import (
 )
 
 if TYPE_CHECKING:
+    from rich.progress import TaskID
+
     from crankbase.array_checks import Array
     from crankbase.results import Result
     from regression.records import Outcome
@@ -284,6 +284,9 @@ class RunProgress:
     """Steps of a run and a bar for its study, on standard error; with `quiet` warnings alone are shown."""
 
     def __init__(self, quiet: bool = False) -> None:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
+        from rich.progress import TimeElapsedColumn as Elapsed
+
         self._quiet = quiet
         self._raising = ExitStack()
         self._bar = Progress(

@@ -213,6 +213,17 @@ def test_completion_and_help_load_nothing_slow(spawn):
     assert answer.out.strip() == "[]", answer.err
 
 
+@pytest.mark.further
+def test_a_throw_is_analyzed_without_libraries_that_it_does_not_need(spawn):
+    code = (
+        "import sys; from crankfem.cli.entry import main; main(); "
+        "print([name for name in ('skfem', 'scipy.linalg', 'matplotlib') if name in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, "throw"]
+    answer = spawn("6chn25-34", "--accuracy", "0.1", command=command)
+    assert answer.out.splitlines()[-1] == "[]", answer.err
+
+
 @pytest.mark.slow
 def test_a_shell_is_answered(spawn, spawn_environment):
     words = {"COMP_WORDS": "crankfem throw 6chn25", "COMP_CWORD": "2"}

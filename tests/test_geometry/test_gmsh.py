@@ -216,6 +216,14 @@ def test_a_disturbed_call_leaves_no_answer_behind(dimensions, process, disturban
 
 
 @pytest.mark.slow
+def test_the_mesher_loads_nothing_that_it_does_without(dimensions, process):
+    mesh_isolated(CrankThrow(**dimensions), 3.0, process=process)
+    loaded = process.call("builtins:eval", "set(__import__('sys').modules)", time_limit=10.0)
+    assert "gmsh" in loaded
+    assert not {"pydantic", "scipy", "skfem", "geometry.throw"} & loaded
+
+
+@pytest.mark.slow
 def test_a_call_ends_with_an_owner_that_is_killed(own, tmp_path):
     """Even where a library keeps Python's threads from running."""
     begun = tmp_path / "begun"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from skfem import ElementTetP2
+from skfem import ElementTetP2, ElementTriP2
 from skfem.quadrature import get_quadrature
 
 import geometry.mesh
@@ -20,9 +20,11 @@ from geometry.mesh import MESHING_STRATEGIES, check_quality, check_volume, mesh_
 from geometry.mesher import mesh_isolated
 from geometry.shapes import (
     EDGES,
+    RULES,
     corner_quality,
     element_quadrature,
     element_volumes,
+    quadrature,
     smallest_jacobians,
     straighten_elements,
 )
@@ -156,6 +158,16 @@ def straight_tetrahedra(corners, connections):
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
 TWO = [(0, 1, 2, 3), (1, 2, 3, 4)]
+
+
+@pytest.mark.parametrize(("dimension", "order"), RULES)
+def test_rules_of_quadrature_are_those_of_scikit_fem(dimension, order):
+    element = {2: ElementTriP2, 3: ElementTetP2}[dimension]
+    made, known = (
+        np.vstack(rule) for rule in (quadrature(dimension, order), get_quadrature(element, order))
+    )
+    made, known = (rule[:, np.lexsort(rule.round(9))] for rule in (made, known))
+    assert made == close(known, rel=1e-14)
 
 
 def test_volumes_of_curved_tetrahedra_are_those_of_a_quadrature_that_is_more_than_exact():

@@ -19,7 +19,6 @@ from crankfem.analyses.throw.law_record import LawResults
 from fem.analysis import ThrowAnalysis, axial_correction
 from fem.end_reactions import Reactions
 from fem.material import Material
-from fem.modes import ThrowModes
 from fem.sensitivities import Sensitivities
 from fem.solver import asymmetry
 from fem.superelement import superelement_of_end_forces
@@ -33,6 +32,7 @@ from geometry.throw import CrankThrow
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from fem.modes import ThrowModes
     from regression.models.lookup import ReactionLookup
 
 Metre = Annotated[float, Quantity("m")]
@@ -589,7 +589,7 @@ def throw_slopes(analysis: ThrowAnalysis) -> tuple[Sensitivities, ...]:
     return tuple(analysis.sensitivities(*answer) for answer in SLOPED)
 
 
-def free_modes(modes: ThrowModes) -> tuple[FreeMode, ...]:
+def free_modes(modes: "ThrowModes") -> tuple[FreeMode, ...]:
     """Return the natural modes of the free throw with their motions."""
     return tuple(
         FreeMode(float(frequency), name)

@@ -119,13 +119,15 @@ def throw(
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_outputs
     from fem.analysis import analyze_throw
-    from fem.modes import MOST_MODES
     from fem.symmetry import degree_of, radial_directions
     from geometry.throw import CrankThrow
 
     angle = None if gamma is None else parse_gamma(gamma, out.quiet)
-    if not 0 <= modes <= MOST_MODES:
-        raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
+    if modes:
+        from fem.modes import MOST_MODES
+
+        if not 0 <= modes <= MOST_MODES:
+            raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
     texts = pin_force or []
     if len(texts) > len(part.pin_axes):
         raise InputError(
