@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
+from crankbase.sentences import finished, joined, lines
+
 # Of what was given a message quotes at most so many characters, its beginning and its end.
 LONGEST_QUOTE = 80
 # A whole message is longer only by its list of what is allowed.
@@ -66,7 +68,8 @@ def named(name: str) -> str:
 
 
 def with_short_quotes(message: str) -> str:
-    """Return a message in which every quoted text, list and word is shortened."""
+    """Return a message in which every quoted text, list and word is shortened; else it keeps its values."""
+    message = finished(message)
     if len(message) <= LONGEST_QUOTE:
         return message
     pieces, place = [], 0
@@ -78,7 +81,8 @@ def with_short_quotes(message: str) -> str:
         place = end
     pieces.append(message[place:])
     words = _WORD.sub(lambda word: shortened(word[0]), "".join(pieces))
-    return shortened(words, LONGEST_MESSAGE)
+    short = shortened(words, LONGEST_MESSAGE)
+    return message if short == message else short
 
 
 def _closing(message: str, place: int) -> int:
@@ -93,7 +97,7 @@ def _closing(message: str, place: int) -> int:
 
 def first_sentences(message: str) -> list[str]:
     """Return the first errors of a message, and how many more there are: a person mends a few at a time."""
-    sentences = message.split("\n")
+    sentences = lines(message)
     if len(sentences) <= MOST_TOLD + 1:
         return sentences
     return [*sentences[:MOST_TOLD], f"{len(sentences) - MOST_TOLD} more errors are not shown."]
@@ -105,21 +109,28 @@ class InputError(ValueError):
     Parameters
     ----------
     message : str
-        Quoted input is cut to 80 characters.
+        Quoted input is cut to 80 characters; values are written by `crankbase.sentences.amount`.
     """
 
     def __init__(self, message: str = "") -> None:
-        super().__init__("\n".join(with_short_quotes(line) for line in message.split("\n")))
+        super().__init__(finished(joined("\n", map(with_short_quotes, lines(message)))))
+
+    def __str__(self) -> str:
+        """Return the message, a `crankbase.sentences.Sentence` if it has values."""
+        message: str = self.args[0]
+        return message
 
     @property
     def sentences(self) -> list[str]:
         """The errors, one sentence each: a file may have several errors, one on each line."""
-        return str(self).split("\n")
+        return lines(str(self))
 
     @classmethod
     def of_all(cls, errors: Iterable["InputError"]) -> "InputError":
         """Return one error with the sentences of all, each once."""
-        return cls("\n".join(dict.fromkeys(line for error in errors for line in error.sentences)))
+        return cls(
+            joined("\n", dict.fromkeys(line for error in errors for line in error.sentences))
+        )
 
 
 class NotEnoughMemoryError(InputError):

@@ -10,14 +10,9 @@ from pydantic.fields import FieldInfo
 
 from crankbase.choices import allowed_names, is_number
 from crankbase.errors import MOST_TOLD, InputError, InputErrors, named, quoted
-from crankbase.quantity import (
-    DISPLAY_UNITS,
-    Limits,
-    effect_by_mass,
-    format_quantity,
-    other_unit,
-    parse_quantity,
-)
+from crankbase.quantity import DISPLAY_UNITS
+from crankbase.sentences import amount, joined, kept, lines
+from crankbase.written_quantity import Limits, effect_by_mass, other_unit, parse_quantity
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -57,9 +52,14 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
         field = prefix + _path(location)
         # What a part says of a field of its own begins with the part's section.
         place = prefix + ".".join(part for part in location if not part.isdigit()) + "."
-        return "\n".join(
-            f"{field}.{line.removeprefix(place)}" if line.startswith(place) else f"{field}: {line}"
-            for line in text.splitlines()
+        return joined(
+            "\n",
+            (
+                f"{field}.{kept(line.removeprefix(place))}"
+                if line.startswith(place)
+                else f"{field}: {kept(line)}"
+                for line in lines(text)
+            ),
         )
     name = location[0] if location else ""
     field = prefix + _path(location)
@@ -75,7 +75,7 @@ def sentence(model: type[BaseModel], first: "ErrorDetails") -> str:
     unit = field_extra(known, "unit")
     shown = quoted(entry)
     if unit is not None and is_number(entry):
-        shown = format_quantity(float(entry), unit)
+        shown = amount(float(entry), unit)
     if first["type"] == "literal_error":
         expected = str(first["ctx"]["expected"]).replace("'", "")
         return f"{field}: given {quoted(entry)}; allowed is {expected}."
@@ -148,7 +148,7 @@ def range_text(info: FieldInfo) -> str:
 
 def _limit(value: float, unit: str) -> str:
     """Write the end of a range, that of a whole number with all its digits."""
-    return str(value) if not unit and isinstance(value, int) else format_quantity(value, unit)
+    return str(value) if not unit and isinstance(value, int) else amount(value, unit)
 
 
 def quantity_field(
@@ -310,7 +310,7 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         try:
             super().__init__(**values)
         except ValidationError as error:
-            raise InputError("\n".join(sentences(type(self), error))) from None
+            raise InputError(joined("\n", sentences(type(self), error))) from None
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
@@ -434,8 +434,8 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
             return cls(**converted)
         except InputError as error:
             section_prefix = f"{cls.section}." if cls.section else ""
-            lines = [prefix + line.removeprefix(section_prefix) for line in error.sentences]
-            raise InputError("\n".join(lines)) from None
+            said = [prefix + line.removeprefix(section_prefix) for line in error.sentences]
+            raise InputError(joined("\n", said)) from None
 
 
 def _field_errors(
@@ -531,7 +531,7 @@ def _inertia_from_gd2(info: FieldInfo, text: object, name: str) -> Any:
             _inertia_from_gd2(info, entry, f"{name}[{number}]") for number, entry in enumerate(text)
         )
     low, high = (None if end is None else GD2_OF_INERTIA * end for end in limits_of(info))
-    allowed = " to ".join(format_quantity(end, "kg m^2") for end in (low, high) if end is not None)
+    allowed = " to ".join(amount(end, "kg m^2") for end in (low, high) if end is not None)
     value = effect_by_mass(text)
     if value is None:
         value = parse_quantity(text, "kg m^2", name, allowed, (low, high))

@@ -50,7 +50,12 @@ T = TypeVar("T")
 START, END = "\ue000", "\ue001"
 # The name of a field at the start of a remark.
 _FIELD = re.compile(r"\w+(?:\.\w+|_\w)")
-_MARK = re.compile(f"{START}([^{END}]*){END}")
+# Of a mark, as `_mark` writes it and nothing else: what a person wrote may hold the same letters after all.
+_NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?|nan"
+_MARK = re.compile(
+    rf"{START}((?:{_NUMBER})\|[^|{START}{END}]*(?:\|(?:(?:digits|decimals)=\d{{1,2}}|other=(?:{_NUMBER})"
+    rf"|(?:zeros|signed|bare|exact)=(?:True|False)|shown=(?:{'|'.join(map(re.escape, UNITS))})))*){END}"
+)
 # Digits up to which two values are told apart, and with which an output unit is shown at least.
 MOST_DIGITS, LEAST_DIGITS = 6, 3
 
@@ -94,26 +99,39 @@ class Amount:
     other: float | None = None
     exact: bool = False
 
-    def text(self, units: Units | None = None, most: int | None = None) -> str:
-        """Write it with its unit, with so many digits at most."""
-        number, unit = self.pair(units, most)
+    def text(
+        self, units: Units | None = None, most: int | None = None, *, full: bool = False
+    ) -> str:
+        """Write it with its unit, with so many digits at most.
+
+        In another unit it has as many digits as in the usual one or, `full`, all that it may have.
+        """
+        number, unit = self.pair(units, most, full=full)
         return number if self.bare else f"{number} {unit}".rstrip()
 
-    def pair(self, units: Units | None = None, most: int | None = None) -> tuple[str, str]:
+    def pair(
+        self, units: Units | None = None, most: int | None = None, *, full: bool = False
+    ) -> tuple[str, str]:
         """Write number and unit."""
         digits, cut = self.digits, most
-        number, unit = self._pair(self.value, digits, units, cut)
+        number, unit = self._pair(self.value, digits, units, cut, full=full)
         while (
             self.other not in (None, self.value)
             and min(digits, MOST_DIGITS if cut is None else cut) < MOST_DIGITS
             and self._pair(self.other or 0.0, digits, units, cut)[0] == number
         ):
             digits, cut = digits + 1, None if cut is None else cut + 1
-            number, unit = self._pair(self.value, digits, units, cut)
+            number, unit = self._pair(self.value, digits, units, cut, full=full)
         return number, unit
 
     def _pair(
-        self, value: float, digits: int, units: Units | None, most: int | None
+        self,
+        value: float,
+        digits: int,
+        units: Units | None,
+        most: int | None,
+        *,
+        full: bool = False,
     ) -> tuple[str, str]:
         unit, size = DISPLAY_UNITS.get(self.unit, (self.unit, 1.0))
         if self.shown:
@@ -131,7 +149,7 @@ class Amount:
         if converted is not None and converted.wished:
             # What is written out, as 250000, has zeros that are no digits.
             written = number.partition("e")[0].lstrip("+-").lstrip("0.").replace(".", "")
-            kept = max(min(len(written), digits), LEAST_DIGITS)
+            kept = max(digits if full else min(len(written), digits), LEAST_DIGITS)
             size = converted.size
             if number.endswith("e-9"):  # as in tables
                 converted = cast("Units", units).of(f"{POWER_OF_TEN}{unit}")
@@ -174,6 +192,17 @@ def amount(value: float, unit: str, digits: int = MOST_DIGITS, **how: Any) -> st
     if math.isinf(value):
         return UNBOUNDED
     return _mark(Amount(float(value), unit, digits, **how))
+
+
+def in_si(value: float, unit: str, digits: int = MOST_DIGITS) -> str:
+    """Write a value into a text in its SI unit, as what is given in Python; see `amount`.
+
+    Examples
+    --------
+    >>> finished(f"depth: given {in_si(0.27, 'm')}")
+    'depth: given 0.27 m'
+    """
+    return amount(value, unit, digits, shown=unit)
 
 
 def apart(value: float, other: float, unit: str, digits: int = 3) -> tuple[str, str]:
@@ -273,6 +302,12 @@ class Sentence(str):
             return finished(self.marked.removesuffix(suffix))
         return super().removesuffix(suffix)
 
+    def removeprefix(self, prefix: str, /) -> str:
+        """Return it without a beginning; without its values if the beginning is in one."""
+        if self.marked.startswith(prefix):
+            return finished(self.marked.removeprefix(prefix))
+        return super().removeprefix(prefix)
+
     def rstrip(self, chars: str | None = None, /) -> str:
         """Return it without letters at its end; without its values if they are in one."""
         left = finished(self.marked.rstrip(chars))
@@ -326,6 +361,11 @@ def kept(text: str) -> str:
 def joined(between: str, texts: Iterable[str]) -> str:
     """Join texts for another one, with their values."""
     return between.join(map(kept, texts))
+
+
+def lines(text: str) -> list[str]:
+    """Return the lines of a text, with their values."""
+    return [finished(line) for line in kept(text).split("\n")]
 
 
 def capital(text: str) -> str:

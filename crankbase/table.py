@@ -130,9 +130,9 @@ class OutputUnits:
         shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
         return self.of(shown).with_name(value, digits)
 
-    def written(self, text: str, most: int | None = None) -> str:
-        """Return a text with its values in these units, with so many digits at most."""
-        return written(text, lambda value: value.text(self, most))
+    def written(self, text: str, most: int | None = None, *, full: bool = False) -> str:
+        """Return a text with its values in these units, with so many digits at most; see `Amount.text`."""
+        return written(text, lambda value: value.text(self, most, full=full))
 
     def _converted(self, unit: str) -> tuple[str, float] | None:
         """Return name and size of the unit that replaces an SI one: as a whole, else by its factors."""

@@ -15,6 +15,7 @@ from crankbase.errors import InputError, MeshError
 from crankbase.frames import Axes
 from crankbase.model import InputModel, length_field
 from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 from crankbase.summaries import frozen
 from geometry.any_throw import Throw
 from geometry.gmsh_session import gmsh_errors, shared_process
@@ -128,8 +129,8 @@ class Crankshaft:
             left, right = first.main_journal_diameter, second.main_journal_diameter
             if not math.isclose(left, right, rel_tol=SAME_SIZE):
                 raise InputError(
-                    f"throws: given main_journal_diameter {format_quantity(left, 'm')} in throw {number} and "
-                    f"{format_quantity(right, 'm')} in throw {number + 1}; allowed is one value, because "
+                    f"throws: given main_journal_diameter {amount(left, 'm')} in throw {number} and "
+                    f"{amount(right, 'm')} in throw {number + 1}; allowed is one value, because "
                     "they share a main journal."
                 )
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 
 Point = tuple[float, float]
 
@@ -481,14 +481,14 @@ def obround(width: float, foot_radius: float, tip_radius: float, distance: float
     half, largest = 0.5 * width, max(foot_radius, tip_radius)
     if largest < half * (1.0 - 1e-9):
         raise InputError(
-            f"both ends are narrower than the width of {format_quantity(width, 'm')}; allowed is a "
-            f"distance of {format_quantity(half, 'm')} or more from an axis to the end beyond it."
+            f"both ends are narrower than the width of {amount(width, 'm')}; allowed is a "
+            f"distance of {amount(half, 'm')} or more from an axis to the end beyond it."
         )
     if abs(foot_radius - tip_radius) >= distance * (1.0 - 1e-6) and distance > NEGLIGIBLE * width:
         raise InputError(
-            f"the end of radius {format_quantity(largest, 'm')} swallows that of "
-            f"{format_quantity(min(foot_radius, tip_radius), 'm')}; allowed is a difference below the "
-            f"{format_quantity(distance, 'm')} between the axes."
+            f"the end of radius {amount(largest, 'm')} swallows that of "
+            f"{amount(min(foot_radius, tip_radius), 'm')}; allowed is a difference below the "
+            f"{amount(distance, 'm')} between the axes."
         )
     sine = (foot_radius - tip_radius) / distance if distance > NEGLIGIBLE * width else 0.0
     cosine = math.sqrt(1.0 - sine**2)
@@ -582,8 +582,8 @@ def rectangle(
         )
     if cut > largest * (1.0 + 1e-9):
         raise InputError(
-            f"the corners of {format_quantity(cut, 'm')} do not fit the rectangle; allowed is at most "
-            f"{format_quantity(largest, 'm')}, half of its shorter side."
+            f"the corners of {amount(cut, 'm')} do not fit the rectangle; allowed is at most "
+            f"{amount(largest, 'm')}, half of its shorter side."
         )
     foot, tip = (0.0, low), (0.0, high)
     if cut == 0.0:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from crankbase.errors import InputError, MeshError
-from crankbase.sentences import amount
+from crankbase.sentences import amount, in_si
 from geometry.equal_pieces import signature
 from geometry.faces import (
     DIRECTION_TOLERANCE,
@@ -144,8 +144,8 @@ def recognize(path: str, digest: str, wanted: RequestedFaces) -> ImportedThrow:
         length = box[5] - box[2]
         if not SHORTEST <= length <= LONGEST:
             raise InputError(
-                f"{path}: given a part {length:.3g} m long; allowed is {SHORTEST:g} m to {LONGEST:g} m, so "
-                "the file's unit of length is probably wrong."
+                f"{path}: given a part {in_si(length, 'm', 3)} long; allowed is {in_si(SHORTEST, 'm')} to "
+                f"{in_si(LONGEST, 'm')}, so the file's unit of length is probably wrong."
             )
         return _Recognition(gmsh, solid, wanted, box).throw(path, digest)
 
@@ -285,8 +285,8 @@ class _Recognition:
             )
         if abs(face.low - extreme) > tolerance:
             raise InputError(
-                f"{field}: given {name!r} at z = {face.low:.6g} m; allowed is the end of the part at z = "
-                f"{extreme:.6g} m (left end at the smallest, right end at the largest z)."
+                f"{field}: given {name!r} at z = {in_si(face.low, 'm')}; allowed is the end of the part at z "
+                f"= {in_si(extreme, 'm')} (left end at the smallest, right end at the largest z)."
             )
 
     def _matching(self, field: str, wanted: StepFace) -> Face:

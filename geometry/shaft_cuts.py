@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from crankbase.array_checks import Array
 from crankbase.errors import InputError, MeshError
 from crankbase.processes import scratch_folder
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 from geometry.equal_pieces import EQUAL, Signature, signature
 from geometry.faces import PLAIN_KINDS, Face, Round, measured_face, meetings, rounds_along
 from geometry.gmsh_session import gmsh_errors, gmsh_session, read_shapes
@@ -331,9 +331,9 @@ class _Shaft:
             journal, place = self._mains[number - 1], cuts[number - 1] + shift / MM
             low, high = journal.low - cuts[number - 1], journal.high - cuts[number - 1]
             if not journal.low <= place <= journal.high:
-                least, most = format_quantity(MM * low, "m"), format_quantity(MM * high, "m")
+                least, most = amount(MM * low, "m"), amount(MM * high, "m")
                 raise InputError(
-                    f"cut: given {number} moved by {format_quantity(shift, 'm')}; allowed is {least} to "
+                    f"cut: given {number} moved by {amount(shift, 'm')}; allowed is {least} to "
                     f"{most}, because the cut must be through the main journal."
                 )
             cuts[number - 1] = place

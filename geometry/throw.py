@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from crankbase.errors import InputError
 from crankbase.frames import Axes
+from crankbase.sentences import kept
 from geometry.parts import (
     LEFT_JOURNAL,
     OUTLINES,
@@ -202,7 +203,7 @@ def _end_web(
         outline = outline_kind.make(width, foot_end, tip_end, distance, **besides)
     except InputError as error:
         field = next((kind for kind, value in besides.items() if value > 0.0), "journal_end")
-        raise InputError(f"throw.web_{field}: in the {name} {error}") from None
+        raise InputError(f"throw.web_{field}: in the {name} {kept(str(error))}") from None
     journal, pin = joined if outer < 0.0 else joined[::-1]
     thickness = end - start
     tip_thickness = dimension("tip_thickness", thickness)

@@ -9,7 +9,7 @@ import numpy as np
 
 from crankbase.array_checks import Array
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount, finished
 from geometry.parts import (
     OUTLINE_DIMENSIONS,
     OUTLINES,
@@ -22,14 +22,14 @@ from geometry.parts import (
 from geometry.throw_dimensions import ThrowDimensions, web_dimension
 
 
-def in_mm(value: float) -> str:
-    """Write a length [m] as in refusals."""
-    return format_quantity(value, "m")
+def shown(value: float) -> str:
+    """Write a length [m] into a refusal."""
+    return amount(value, "m")
 
 
 def dimension_error(field: str, value: float, allowed: str, reason: str) -> InputError:
     """Make the error of a dimension [m]: given value, allowed values and reason."""
-    return InputError(f"throw.{field}: given {in_mm(value)}; allowed is {allowed}, {reason}.")
+    return InputError(f"throw.{field}: given {shown(value)}; allowed is {allowed}, {reason}.")
 
 
 def label(cylinder: Cylinder) -> str:
@@ -109,7 +109,7 @@ def check_drillings(parts: ThrowParts) -> None:
             what = "runs into" if between < wall else "comes out into the exit of"
             raise InputError(
                 f"throw.oil_holes[{second.number - 1}]: given so that it {what} "
-                f"oil_holes[{first.number - 1}]; allowed are holes that leave {in_mm(wall)} between them, "
+                f"oil_holes[{first.number - 1}]; allowed are holes that leave {shown(wall)} between them, "
                 "because each is calculated separately."
             )
 
@@ -131,7 +131,7 @@ def _check_sizes(hole: Drilling, journal: Cylinder) -> None:
         raise dimension_error(
             _field(hole, "diameter"),
             diameter,
-            f"{in_mm(low)} to {in_mm(high)} in the {label(journal)} of {in_mm(outside)}",
+            f"{shown(low)} to {shown(high)} in the {label(journal)} of {shown(outside)}",
             f"because {reason}",
         )
     radius, low = hole.exit_radius, SMALLEST_EXIT * 2.0 * hole.radius
@@ -141,12 +141,12 @@ def _check_sizes(hole: Drilling, journal: Cylinder) -> None:
         reason = (
             "a smaller one acts as a sharp edge (give 0)"
             if radius < low
-            else f"the hole of {in_mm(2.0 * hole.radius)} cannot be opened further"
+            else f"the hole of {shown(2.0 * hole.radius)} cannot be opened further"
         )
         raise dimension_error(
             _field(hole, "exit_radius"),
             radius,
-            f"0, or {in_mm(low)} to {in_mm(high)}",
+            f"0, or {shown(low)} to {shown(high)}",
             f"because {reason}",
         )
 
@@ -159,9 +159,9 @@ def _check_run_into_bore(hole: Drilling, journal: Cylinder) -> None:
         return
     widest = 2.0 * (SHARE_OF_BORE * hole.bore_radius - abs(across))
     if 2.0 * hole.radius > widest * (1.0 + 1e-12):
-        bore = f"the {label(journal)}'s bore of {in_mm(2.0 * hole.bore_radius)}"
+        bore = f"the {label(journal)}'s bore of {shown(2.0 * hole.bore_radius)}"
         off = (
-            f", whose axis passes the hole's at {in_mm(abs(across))}" if abs(across) > 1e-9 else ""
+            f", whose axis passes the hole's at {shown(abs(across))}" if abs(across) > 1e-9 else ""
         )
         reason = f"because it must run with its whole width into {bore}{off}, or pass it by"
         if widest <= 0.0:
@@ -172,7 +172,7 @@ def _check_run_into_bore(hole: Drilling, journal: Cylinder) -> None:
         raise dimension_error(
             _field(hole, "diameter"),
             2.0 * hole.radius,
-            f"at most {in_mm(widest)} at this angle",
+            f"at most {shown(widest)} at this angle",
             reason,
         )
     for outlet in hole.exits:
@@ -184,8 +184,8 @@ def _check_run_into_bore(hole: Drilling, journal: Cylinder) -> None:
                 _field(hole, "exit_radius"),
                 hole.exit_radius,
                 "a smaller one",
-                f"because {in_mm(wall)} of straight hole must be left between its rounding and the bore of "
-                f"{in_mm(2.0 * hole.bore_radius)}",
+                f"because {shown(wall)} of straight hole must be left between its rounding and the bore of "
+                f"{shown(2.0 * hole.bore_radius)}",
             )
 
 
@@ -210,8 +210,8 @@ def _check_place(parts: ThrowParts, hole: Drilling, journal: Cylinder) -> None:
         raise dimension_error(
             _field(hole, "diameter"),
             2.0 * hole.radius,
-            f"a hole that takes at most {in_mm(end - start)} along the shaft with tilt and exit radius, not "
-            f"{in_mm(highest - lowest)}",
+            f"a hole that takes at most {shown(end - start)} along the shaft with tilt and exit radius, not "
+            f"{shown(highest - lowest)}",
             f"because the {label(journal)} has no more between its fillets"
             + ("" if journal.is_pin else " and the end of the throw"),
         )
@@ -222,7 +222,7 @@ def _check_place(parts: ThrowParts, hole: Drilling, journal: Cylinder) -> None:
         else f"or the hole would cut the {label(journal)}'s fillet or the web"
     )
     raise dimension_error(
-        _field(hole, "position"), position, f"{in_mm(low)} to {in_mm(high)}", reason
+        _field(hole, "position"), position, f"{shown(low)} to {shown(high)}", reason
     )
 
 
@@ -279,15 +279,15 @@ def check_counterweight(
         raise dimension_error(
             f"{name}.outer_radius",
             sector.outer_radius,
-            f"{in_mm(COUNTERWEIGHT_STANDS_OUT * reach)} or more",
-            f"because the {web.name} itself reaches {in_mm(reach)} from the shaft axis",
+            f"{shown(COUNTERWEIGHT_STANDS_OUT * reach)} or more",
+            f"because the {web.name} itself reaches {shown(reach)} from the shaft axis",
         )
     if sector.inner_radius > COUNTERWEIGHT_REACHES_IN * reach:
         raise dimension_error(
             f"{name}.inner_radius",
             sector.inner_radius,
-            f"0 to {in_mm(COUNTERWEIGHT_REACHES_IN * reach)}",
-            f"because it must reach into the {web.name}, which ends {in_mm(reach)} from the shaft axis",
+            f"0 to {shown(COUNTERWEIGHT_REACHES_IN * reach)}",
+            f"because it must reach into the {web.name}, which ends {shown(reach)} from the shaft axis",
         )
     thickness = web.end - web.start
     foot_drop = sum(s.drop for s in web.slopes if s.towards < 0.0)
@@ -299,17 +299,17 @@ def check_counterweight(
         raise dimension_error(
             f"{name}.offset",
             0.5 * (sector.start + sector.end - web.start - web.end) * -outer,
-            f"one that puts more of its {in_mm(sector.end - sector.start)} on the web",
-            f"because {in_mm(lowest)} of the thickness must be shared with the {web.name}, not "
-            f"{in_mm(max(shared, 0.0))}",
+            f"one that puts more of its {shown(sector.end - sector.start)} on the web",
+            f"because {shown(lowest)} of the thickness must be shared with the {web.name}, not "
+            f"{shown(max(shared, 0.0))}",
         )
     for step in (abs(sector.start - web.start), abs(sector.end - web.end)):
         if 0.0 < step < SMALLEST_STEP * thickness:
             raise dimension_error(
                 f"{name}.thickness",
                 sector.end - sector.start,
-                f"one whose faces are flush with the {web.name} or {in_mm(SMALLEST_STEP * thickness)} off",
-                f"because a step of {in_mm(step)} cannot be meshed sensibly",
+                f"one whose faces are flush with the {web.name} or {shown(SMALLEST_STEP * thickness)} off",
+                f"because a step of {shown(step)} cannot be meshed sensibly",
             )
     beyond_outer = (web.start - sector.start) if outer < 0.0 else (sector.end - web.end)
     beyond_inner = (sector.end - web.end) if outer < 0.0 else (web.start - sector.start)
@@ -319,7 +319,7 @@ def check_counterweight(
             raise dimension_error(
                 f"{name}.thickness",
                 sector.end - sector.start,
-                f"at most {in_mm(room)} beyond the {web.name}",
+                f"at most {shown(room)} beyond the {web.name}",
                 "or it would meet the neighboring throw's",
             )
         clear = 1.02 * journal.collar
@@ -327,8 +327,8 @@ def check_counterweight(
             raise dimension_error(
                 f"{name}.inner_radius",
                 sector.inner_radius,
-                f"{in_mm(clear)} or more",
-                f"because the counterweight stands {in_mm(beyond_outer)} out over the main bearing, which it "
+                f"{shown(clear)} or more",
+                f"because the counterweight stands {shown(beyond_outer)} out over the main bearing, which it "
                 "must clear",
             )
     if beyond_inner > 0.0:
@@ -337,7 +337,7 @@ def check_counterweight(
             raise dimension_error(
                 f"{name}.thickness",
                 sector.end - sector.start,
-                f"at most {in_mm(room)} beyond the {web.name} towards the crankpin",
+                f"at most {shown(room)} beyond the {web.name} towards the crankpin",
                 "or it would meet the other web's",
             )
         lowest_pin = web.distance - 1.02 * pin.collar
@@ -347,7 +347,7 @@ def check_counterweight(
                 f"{name}.inner_radius",
                 sector.inner_radius,
                 "a larger one, or a smaller angle",
-                f"because the counterweight stands {in_mm(beyond_inner)} out beside the crankpin, which it "
+                f"because the counterweight stands {shown(beyond_inner)} out beside the crankpin, which it "
                 "must clear",
             )
 
@@ -418,13 +418,13 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
                 raise dimension_error(
                     cylinder_field(throw, parts, cylinder, "diameter"),
                     2.0 * cylinder.radius,
-                    f"at most {in_mm(limit)} with a web width of {in_mm(web.outline.width)}",
+                    f"at most {shown(limit)} with a web width of {shown(web.outline.width)}",
                     f"or the {label(cylinder)} would stand outside the {web_label(throw, web)}",
                 )
         if 1e-9 * web.outline.width < web.distance < SMALLEST_PIN_STEP * 2.0 * after.radius:
             raise InputError(
-                f"throw.further_pins: given pins whose axes are {in_mm(web.distance)} apart; allowed is 0 or "
-                f"{in_mm(SMALLEST_PIN_STEP * 2.0 * after.radius)} or more, because a smaller step cannot be "
+                f"throw.further_pins: given pins whose axes are {shown(web.distance)} apart; allowed is 0 or "
+                f"{shown(SMALLEST_PIN_STEP * 2.0 * after.radius)} or more, because a smaller step cannot be "
                 "meshed."
             )
         _check_wall_between(web, before, after)
@@ -480,11 +480,11 @@ def throw_remarks(parts: ThrowParts) -> tuple[str, ...]:
             if abs(other.collar - apart) < bored.bore_radius:
                 remarks.append(
                     f"The bore of the {label(bored)} cuts the fillet or the surface of the "
-                    f"{label(other)} at the {web.name}: it comes out {in_mm(apart - bored.bore_radius)} to "
-                    f"{in_mm(apart + bored.bore_radius)} from that axis, and the fillet's foot is at "
-                    f"{in_mm(other.collar)}."
+                    f"{label(other)} at the {web.name}: it comes out {shown(apart - bored.bore_radius)} to "
+                    f"{shown(apart + bored.bore_radius)} from that axis, and the fillet's foot is at "
+                    f"{shown(other.collar)}."
                 )
-    return tuple(dict.fromkeys(remarks))
+    return tuple(map(finished, dict.fromkeys(remarks)))
 
 
 def _check_proportions(throw: ThrowDimensions, parts: ThrowParts) -> None:
@@ -509,7 +509,7 @@ def _too_thin(name: str, value: float, lowest: float, largest: float) -> InputEr
     return dimension_error(
         name,
         value,
-        f"{in_mm(lowest)} or more, compared with the throw's other dimensions (up to {in_mm(largest)})",
+        f"{shown(lowest)} or more, compared with the throw's other dimensions (up to {shown(largest)})",
         "because a thinner part cannot be meshed sensibly",
     )
 
@@ -538,7 +538,7 @@ def _check_outlines(throw: ThrowDimensions) -> None:
                 raise dimension_error(
                     name,
                     value,
-                    f"0, or {in_mm(smallest)} or more",
+                    f"0, or {shown(smallest)} or more",
                     "because a smaller one acts as a sharp corner",
                 )
         if not OUTLINES[outline].round_ends:
@@ -550,7 +550,7 @@ def _check_outlines(throw: ThrowDimensions) -> None:
                 raise dimension_error(
                     name,
                     value,
-                    f"{in_mm(0.5 * width)}, or a value {in_mm(step)} or more off it",
+                    f"{shown(0.5 * width)}, or a value {shown(step)} or more off it",
                     "because a smaller step from half the web's width cannot be meshed",
                 )
 
@@ -598,15 +598,15 @@ def _check_fillets(
                     raise dimension_error(
                         name,
                         _fillet_on(web, cylinder),
-                        f"at most {in_mm(room - smallest)}, or {format_quantity(room, 'm', 9)} exactly",
-                        f"because its foot is {in_mm(ledge)} inside the edge of the {web_label(throw, web)}, "
+                        f"at most {shown(room - smallest)}, or {amount(room, 'm', 9)} exactly",
+                        f"because its foot is {shown(ledge)} inside the edge of the {web_label(throw, web)}, "
                         "too close to be meshed",
                     )
     for name, radius in radii.items():
         highest, reason = min(limits[name], key=lambda limit: limit[0])
         if lowest[name] * (1.0 - 1e-12) <= radius <= highest * (1.0 + 1e-12):
             continue
-        allowed = f"0, or {in_mm(lowest[name])} to {in_mm(highest)}"
+        allowed = f"0, or {shown(lowest[name])} to {shown(highest)}"
         if highest < lowest[name]:
             allowed = "only 0 (sharp corners)"
         if radius > highest * (1.0 + 1e-12):
@@ -617,13 +617,13 @@ def _check_fillets(
 
 
 def _too_short(cylinder: Cylinder, length: float) -> str:
-    return f"the {label(cylinder)} of {in_mm(length)} is too short for two larger fillets"
+    return f"the {label(cylinder)} of {shown(length)} is too short for two larger fillets"
 
 
 def _too_narrow(throw: ThrowDimensions, web: WebPlate, cylinder: Cylinder) -> str:
     return (
-        f"the {web_label(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger one around "
-        f"the {label(cylinder)} of {in_mm(2.0 * cylinder.radius)}"
+        f"the {web_label(throw, web)} of {shown(web.outline.width)} is too narrow for a larger one around "
+        f"the {label(cylinder)} of {shown(2.0 * cylinder.radius)}"
     )
 
 
@@ -639,10 +639,10 @@ def _check_bore(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder) -
     lowest, wall = SMALLEST_BORE * diameter, SMALLEST_WALL * diameter
     highest = diameter - 2.0 * wall - 2.0 * offset
     if bore > highest * (1.0 + 1e-12) or bore < lowest * (1.0 - 1e-12):
-        allowed = "only 0" if highest < lowest else f"0, or {in_mm(lowest)} to {in_mm(highest)}"
+        allowed = "only 0" if highest < lowest else f"0, or {shown(lowest)} to {shown(highest)}"
         reason = (
-            f"because a wall of {in_mm(wall)} must remain in the {label(cylinder)} of {in_mm(diameter)}"
-            + (f" with the bore {in_mm(offset)} off its axis" if offset > 0.0 else "")
+            f"because a wall of {shown(wall)} must remain in the {label(cylinder)} of {shown(diameter)}"
+            + (f" with the bore {shown(offset)} off its axis" if offset > 0.0 else "")
             if bore > highest
             else f"because a smaller bore does not matter to the {label(cylinder)} (give 0)"
         )
@@ -657,9 +657,9 @@ def _check_wall_between(web: WebPlate, before: Cylinder, after: Cylinder) -> Non
     lowest = SMALLEST_WALL * 2.0 * min(before.radius, after.radius)
     if wall < lowest:
         raise InputError(
-            f"throw.pin_bore: given bores of {in_mm(2.0 * before.bore_radius)} and "
-            f"{in_mm(2.0 * after.bore_radius)}, which leave {in_mm(wall)} between them in the {web.name}; "
-            f"allowed is {in_mm(lowest)} or more, because they must not meet."
+            f"throw.pin_bore: given bores of {shown(2.0 * before.bore_radius)} and "
+            f"{shown(2.0 * after.bore_radius)}, which leave {shown(wall)} between them in the {web.name}; "
+            f"allowed is {shown(lowest)} or more, because they must not meet."
         )
 
 
@@ -678,15 +678,15 @@ def _check_slopes(throw: ThrowDimensions, web: WebPlate) -> None:
             raise dimension_error(
                 name,
                 end_thickness,
-                f"{in_mm(THINNEST_END * thickness)} to {in_mm(thickness)}",
-                f"because the web of {in_mm(thickness)} gets thinner towards its end, but not to an edge",
+                f"{shown(THINNEST_END * thickness)} to {shown(thickness)}",
+                f"because the web of {shown(thickness)} gets thinner towards its end, but not to an edge",
             )
         room = slope.towards * (slope.end - slope.start)
         if room < SHORTEST_SLOPE * width:
             raise dimension_error(
                 name,
                 end_thickness,
-                f"only {in_mm(thickness)}",
+                f"only {shown(thickness)}",
                 f"because the {joined} leaves no room on the web's face to thin it",
             )
 
@@ -697,8 +697,8 @@ def _check_split_pin(web: WebPlate, before: Cylinder, after: Cylinder) -> None:
     low, high = (share * together for share in SPLIT_PIN_STEP)
     if not low <= web.distance <= high:
         raise InputError(
-            f"throw.further_pins: given a split pin without a web whose axes are {in_mm(web.distance)} "
-            f"apart; allowed is {in_mm(low)} to {in_mm(high)} with these diameters, because its halves must "
+            f"throw.further_pins: given a split pin without a web whose axes are {shown(web.distance)} "
+            f"apart; allowed is {shown(low)} to {shown(high)} with these diameters, because its halves must "
             "hold together and differ (else give web_thickness or one longer pin)."
         )
     for first, second in ((before, after), (after, before)):
@@ -706,6 +706,6 @@ def _check_split_pin(web: WebPlate, before: Cylinder, after: Cylinder) -> None:
             gap = second.radius - math.dist(first.bore_axis, second.axis) - first.bore_radius
             if gap < SMALLEST_WALL * 2.0 * second.radius:
                 raise InputError(
-                    f"throw.pin_bore: given {in_mm(2.0 * first.bore_radius)} in a split pin without a web; "
-                    f"allowed is 0 or a bore that leaves a wall in both halves, not {in_mm(gap)}."
+                    f"throw.pin_bore: given {shown(2.0 * first.bore_radius)} in a split pin without a web; "
+                    f"allowed is 0 or a bore that leaves a wall in both halves, not {shown(gap)}."
                 )

@@ -6,7 +6,8 @@ from pydantic.fields import FieldInfo
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.quantity import DISPLAY_UNITS, format_quantity
+from crankbase.quantity import DISPLAY_UNITS
+from crankbase.sentences import amount
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import values_by_path
 
@@ -71,9 +72,9 @@ def check_dimension(field: str, name: str, value: float) -> None:
 
 
 def format_value(name: str, value: float, unit: str | None = None) -> str:
-    """Format a value in its usual unit: that of its field, or the one given."""
+    """Write a value into a text in its usual unit: that of its field, or the one given."""
     known = field_unit(name) if unit is None else unit
-    return f"{value:g}" if not known else format_quantity(value, known)
+    return f"{value:g}" if not known else amount(value, known)
 
 
 def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, float | str]:

@@ -9,7 +9,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from crankbase.errors import InputError
-from crankbase.quantity import split_quantity
+from crankbase.written_quantity import split_quantity
 from crankfem.cli import console
 from crankfem.files.satellites import at_place, called, plugs
 from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS

@@ -9,8 +9,8 @@ from crankbase.array_checks import refuse_crank_radians
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import limits_of, range_text
-from crankbase.quantity import format_quantity, parse_quantity
 from crankbase.sentences import amount
+from crankbase.written_quantity import parse_quantity
 from crankfem.cli import console
 from fem.material import STEEL, Material
 from geometry.any_throw import Throw, with_dimensions
@@ -73,7 +73,7 @@ def parse_speed(text: str | None) -> float | None:
     field = Engine.model_fields["rated_speed"]
     low, high = (float(field_extra(field, key)) for key in ("minimum_si", "maximum_si"))
     if not low <= speed <= high:
-        shown = " to ".join(format_quantity(limit, "rad/s", 5) for limit in (low, high))
+        shown = " to ".join(amount(limit, "rad/s", 5) for limit in (low, high))
         raise InputError(
             f"--speed: given {text!r}; allowed is {shown}, because engine.rated_speed has the same limits."
         )

@@ -16,9 +16,9 @@ from rich.console import Console
 from rich.text import Text
 
 from crankbase.errors import InputError, first_sentences, visible, with_short_quotes
-from crankbase.quantity import split_quantity
 from crankbase.sentences import kept
 from crankbase.table import SI, Main, OutputUnits, Table
+from crankbase.written_quantity import split_quantity
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.cli.layout import Line, legend, short_ways, table_lines, wrapped
 from crankfem.jobs.exit_codes import (
@@ -55,10 +55,13 @@ class Terminal(Console):
         Lines of the paragraphs of this command so far.
     not_used : list of str or None
         What the command does not use of its file, for JSON; None without a file.
+    units : OutputUnits
+        Of the command's results, for what ends it.
     """
 
     printed = 0
     not_used: "list[str] | None" = None
+    units: OutputUnits = SI
 
     def render_str(self, text: str, **options: Any) -> Text:
         """Return a text for display."""
@@ -218,6 +221,7 @@ def clear_errors() -> Iterator[None]:
     The codes are those of `crankfem.jobs.exit_codes`. With the environment variable CRANKFEM_TRACEBACK the
     traceback of any exit is printed before the sentence.
     """
+    errors.units = SI
     try:
         yield
         sys.stdout.flush()
@@ -275,7 +279,9 @@ def _exit_broken_pipe() -> NoReturn:
 
 def _stop(message: str, code: int) -> NoReturn:
     # Several errors of a file stand below each other.
-    sentence = "\n       ".join(map(with_short_quotes, first_sentences(message)))
+    # A limit is to be typed as it stands here.
+    lines = (errors.units.written(line, full=True) for line in first_sentences(message))
+    sentence = "\n       ".join(map(with_short_quotes, lines))
     errors.print(Text("Error:", "bold red"), sentence, soft_wrap=True, highlight=False)
     raise SystemExit(code)
 

@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankbase.exported_table import separator_of, with_points
 from crankbase.input_file import CSV, LARGEST_TABLE_FILE, InputFile
 from crankbase.model import InputModel, quantity_field
-from crankbase.quantity import parse_quantity
+from crankbase.written_quantity import parse_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.crank_throws import Throws, throw_of_name
 from fem.material import Material

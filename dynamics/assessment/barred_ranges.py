@@ -12,6 +12,7 @@ from crankbase.array_checks import Array, positive_number
 from crankbase.errors import InputError
 from crankbase.frames import Row
 from crankbase.results import Internal, Part, Result, Speed, result
+from crankbase.sentences import in_si
 from dynamics import wording
 from dynamics.assessment.limits import (
     AmplitudeCurve,
@@ -185,8 +186,8 @@ class BarredRangeRule:
         wide = 18.0 - speed / self.rated_speed
         if wide <= 16.0:
             raise InputError(
-                f"critical: given {speed:g} rad/s; allowed is less than twice the rated speed of "
-                f"{self.rated_speed:g} rad/s, because the formula gives no range from there on."
+                f"critical: given {in_si(speed, 'rad/s')}; allowed is less than twice the rated speed of "
+                f"{in_si(self.rated_speed, 'rad/s')}, because the formula gives no range from there on."
             )
         return 16.0 * speed / wide, wide * speed / 16.0
 

@@ -106,7 +106,8 @@ def propulsion_shaft_limit(
     check_choice("feature", feature, SHAFT_FEATURES, "the rule gives a factor for these")
     if strength < LOWEST_STRENGTH:
         raise InputError(
-            f"tensile_strength: given {strength / 1e6:g} MPa; allowed is 400 MPa or more, because "
+            f"tensile_strength: given {amount(strength, 'Pa')}; allowed is "
+            f"{amount(LOWEST_STRENGTH, 'Pa')} or more, because "
             "classed shaft forgings begin there."
         )
     factor, may_be_alloy = SHAFT_FEATURES[feature]
@@ -295,8 +296,8 @@ def crankshaft_material_factors(
     limit = positive_number("yield_strength", yield_strength, "Pa", "it is that of a steel")
     if limit > strength:
         raise InputError(
-            f"yield_strength: given {limit / 1e6:g} MPa above a tensile strength of {strength / 1e6:g} MPa; "
-            "allowed is that or less, because a steel yields before it breaks."
+            f"yield_strength: given {amount(limit, 'Pa')} above a tensile strength of "
+            f"{amount(strength, 'Pa')}; allowed is that or less, because a steel yields before it breaks."
         )
     counted = min(strength, CRANKSHAFT_STRENGTHS[alloy])
     kept = 1.0 + 2.0 / 3.0 * (max(counted, BASE_STRENGTH) / BASE_STRENGTH - 1.0)

@@ -17,6 +17,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_some
 from crankbase.errors import InputError
 from crankbase.results import InItsUnit, Internal, Number, Quantity, Result, Speed, result
+from crankbase.sentences import in_si
 from dynamics.indices import within
 
 Values = Callable[[Array], Array]
@@ -49,8 +50,8 @@ class LimitCurve:
             return
         if not positive_number("high", self.high, "rad/s", "the limit is stated up to there") > low:
             raise InputError(
-                f"high: given {self.high:g} rad/s; allowed is more than the {low:g} rad/s of low, because "
-                "the limit is stated between them."
+                f"high: given {in_si(self.high, 'rad/s')}; allowed is more than the {in_si(low, 'rad/s')} of "
+                "low, because the limit is stated between them."
             )
 
     def at(self, speeds: Array) -> Array:

@@ -12,6 +12,7 @@ from crankbase.array_checks import SMALLEST, nonnegative_number, positive_number
 from crankbase.choices import check_choice, check_kind, check_some, whole_number, whole_within
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
+from crankbase.sentences import in_si
 from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.chains.coupling_damping import (
@@ -289,8 +290,8 @@ class ShaftCone:
         wall = left if self.bore_shape == "proportional" else min(left, right)
         if bore >= wall:
             raise InputError(
-                f"shaft.bore: given {bore:g} m; allowed is less than {wall:g} m, because a wall is left "
-                "around it."
+                f"shaft.bore: given {in_si(bore, 'm')}; allowed is less than {in_si(wall, 'm')}, because a "
+                "wall is left around it."
             )
 
     @property

@@ -11,6 +11,7 @@ import numpy as np
 from crankbase.array_checks import Array, nonnegative_number
 from crankbase.choices import check_some, so_many
 from crankbase.errors import InputError
+from crankbase.sentences import in_si
 from crankbase.summaries import frozen
 from dynamics.chains.shaft_line import ShaftCone
 
@@ -64,8 +65,8 @@ class LineBeam:
             nonnegative_number("bearings", stiffness, "N/m", "a bearing does not drive the shaft")
             if not 0.0 <= place <= self.length * (1.0 + AT_JOINT):
                 raise InputError(
-                    f"bearings: given one at {place:g} m; allowed is 0 to {self.length:g} m, because the "
-                    "line that bends is so long."
+                    f"bearings: given one at {in_si(place, 'm')}; allowed is 0 to {in_si(self.length, 'm')}, "
+                    "because the line that bends is so long."
                 )
 
     @property

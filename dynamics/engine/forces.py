@@ -36,6 +36,7 @@ from crankbase.diagrams import (
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Dataset, grid, table
 from crankbase.quantity import format_number
+from crankbase.sentences import in_si
 from crankbase.summaries import frozen
 from dynamics.cycle import check_even_cycle, cycle_degrees, even_angles, has_closing_sample
 from dynamics.engine import RodModelName
@@ -890,8 +891,9 @@ def main_bearing_loads(
     for name, place in places.items():
         if not bearings[0] <= place <= bearings[-1]:
             raise InputError(
-                f"{name}: position: given {place:g} m; allowed is {bearings[0]:g} to {bearings[-1]:g} m, "
-                "because a load beyond the end bearings needs the shaft's stiffness to be shared."
+                f"{name}: position: given {in_si(place, 'm')}; allowed is "
+                f"{in_si(bearings[0], 'm')} to {in_si(bearings[-1], 'm')}, because a load "
+                "beyond the end bearings needs the shaft's stiffness to be shared."
             )
     # Bearing j takes the share of a load that a hat function has at its place.
     shares = np.array(

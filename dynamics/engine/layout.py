@@ -20,6 +20,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_kind, check_some, is_whole, whole_within
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
+from crankbase.sentences import in_si, kept
 from crankbase.summaries import frozen
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.engine.rods import (
@@ -592,20 +593,21 @@ class EngineLayout:
             )
         if abs(carrier.position - cylinder.position) > SAME_PLACE:
             raise InputError(
-                f"{name}position: given {cylinder.position:g} m; allowed is that of cylinder {main}, "
-                f"{carrier.position:g} m, because its rod is hinged to that one's."
+                f"{name}position: given {in_si(cylinder.position, 'm')}; allowed is that of cylinder {main}, "
+                f"{in_si(carrier.position, 'm')}, because its rod is hinged to that one's."
             )
         if not cylinder.slave_pin.radius < carrier.rod.length:
             raise InputError(
-                f"{name}slave pin radius: given {cylinder.slave_pin.radius:g} m; allowed is less than the "
-                f"main rod's length of {carrier.rod.length:g} m, because the pin sits on that rod."
+                f"{name}slave pin radius: given {in_si(cylinder.slave_pin.radius, 'm')}; allowed is less "
+                f"than the main rod's length of {in_si(carrier.rod.length, 'm')}, because the pin sits on "
+                "that rod."
             )
         angles = even_angles(2.0 * math.pi, TRIED_ANGLES)
         foot = hinged_foot(self.crank_radius, carrier, cylinder, angles)
         try:
             rod_turn(foot, cylinder.rod.length, cylinder.pin_offset)
         except InputError as error:
-            raise InputError(f"{name}{error}") from None
+            raise InputError(f"{name}{kept(str(error))}") from None
 
     def _checked_angles(self, firing_angles_deg: Sequence[float]) -> tuple[float, ...]:
         firing_angles = finite_array("firing_angles_deg", list(firing_angles_deg))
@@ -640,8 +642,8 @@ def check_distinct_positions(engine: EngineLayout) -> None:
             )
             if abs(apart) <= IN_LINE and abs(cylinder.position - earlier.position) <= SAME_PLACE:
                 raise InputError(
-                    f"cylinder {number}: position: given {cylinder.position:g} m, where cylinder {other} of "
-                    "the same bank stands; allowed are different positions along the shaft, because moments "
-                    "and bearing loads follow from them."
+                    f"cylinder {number}: position: given {in_si(cylinder.position, 'm')}, where cylinder "
+                    f"{other} of the same bank stands; allowed are different positions along the shaft, "
+                    "because moments and bearing loads follow from them."
                 )
         standing.append((number, cylinder))

@@ -17,6 +17,7 @@ from crankbase.array_checks import (
 )
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.sentences import amount, in_si
 from crankbase.summaries import frozen
 from dynamics.engine import ROD_MODELS, RodModelName
 
@@ -67,20 +68,22 @@ class ConnectingRod:
         finite_array("rod center_offset", self.center_offset)
         if not 0.0 < self.center_distance < self.length:
             raise InputError(
-                f"{before}center_distance: given {self.center_distance:g} m; allowed is above 0 and below "
-                f"the rod's length of {self.length:g} m, because the center of mass lies between the pins."
+                f"{before}center_distance: given {in_si(self.center_distance, 'm')}; allowed is above 0 and "
+                f"below the rod's length of {in_si(self.length, 'm')}, because the center of mass lies "
+                "between the pins."
             )
         side = REACH * self.length
         if not abs(self.center_offset) < side:
             raise InputError(
-                f"{before}center_offset: given {self.center_offset:g} m; allowed is less than {side:g} m "
-                "either way, because the center of mass lies within the rod."
+                f"{before}center_offset: given {in_si(self.center_offset, 'm')}; allowed is less than "
+                f"{in_si(side, 'm')} either way, because the center of mass lies within the rod."
             )
         largest = self.largest_inertia
         if self.inertia > largest:
             raise InputError(
-                f"{before}{of_inertia} {self.inertia:g} kg m^2; allowed is {largest:g} kg m^2 or less, "
-                f"because no mass of {self.mass:g} kg within half a length round the pins has more."
+                f"{before}{of_inertia} {amount(self.inertia, 'kg m^2')}; allowed is "
+                f"{amount(largest, 'kg m^2')} or less, because no mass of {amount(self.mass, 'kg')} within "
+                "half a length round the pins has more."
             )
 
     @property
@@ -298,8 +301,8 @@ def rod_turn(foot: PointMotion, length: float, pin_offset: float) -> TurnMotion:
     farthest = float(np.max(np.abs(sine), initial=0.0))
     if farthest >= 1.0:
         raise InputError(
-            f"rod length: given {length:g} m for a pin that goes {farthest * length:g} m aside of the "
-            "cylinder's line; allowed is more than that, because the mechanism must turn."
+            f"rod length: given {in_si(length, 'm')} for a pin that goes {in_si(farthest * length, 'm')} "
+            "aside of the cylinder's line; allowed is more than that, because the mechanism must turn."
         )
     cosine = np.sqrt(1.0 - sine**2)
     first = foot.first.imag / (length * cosine)
@@ -440,7 +443,7 @@ def check_reach(field: str, crank_radius: float, rod_length: float, pin_offset: 
     offset = abs(float(finite_array("pin_offset", pin_offset)))
     if not crank_radius < rod_length - offset:
         raise InputError(
-            f"{field}: given {crank_radius:g} m with a rod of {rod_length:g} m and a pin offset of "
-            f"{offset:g} m; allowed is less than rod length minus offset, {rod_length - offset:g} m, "
-            "because the crank must complete a revolution."
+            f"{field}: given {in_si(crank_radius, 'm')} with a rod of {in_si(rod_length, 'm')} and a pin "
+            f"offset of {in_si(offset, 'm')}; allowed is less than rod length minus offset, "
+            f"{in_si(rod_length - offset, 'm')}, because the crank must complete a revolution."
         )

@@ -24,9 +24,9 @@ from crankbase.diagrams import legend_below, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.monotone_curve import MonotoneCurve
-from crankbase.quantity import RPM, format_quantity
+from crankbase.quantity import RPM
 from crankbase.results import Number, Part, Quantity, Result, Speed, result
-from crankbase.sentences import amount
+from crankbase.sentences import amount, kept
 from crankbase.summaries import frozen
 from dynamics.critical import engine_orders
 from dynamics.cycle import cycle_radians, even_angles, order_numbers, order_step
@@ -576,11 +576,13 @@ def pressure_map_from_cycles(
                 samples=samples,
             )
         except InputError as error:
-            raise InputError(f"at {per_minute(speed)} and load {load:g}: {error}") from None
+            raise InputError(
+                f"at {per_minute(speed)} and load {load:g}: {kept(str(error))}"
+            ) from None
         # What was solved at each point would make a remark of its own for every one.
         pressure = solved.pressure
-        kept = tuple(text for text in pressure.remarks if text not in pressure.solved)
-        points.append((speed, load, replace(pressure, remarks=kept, solved=())))
+        remarks = tuple(text for text in pressure.remarks if text not in pressure.solved)
+        points.append((speed, load, replace(pressure, remarks=remarks, solved=())))
     return pressure_map(points, method=method)
 
 
@@ -766,7 +768,7 @@ def load_curve(
         outside = (speeds < known[0] * (1.0 - SAME)) | (speeds > known[-1] * (1.0 + SAME))
         if np.any(outside):
             outer, low, high = (
-                format_quantity(float(speed), "rad/s", 5)
+                amount(float(speed), "rad/s", 5)
                 for speed in (speeds[outside][0], known[0], known[-1])
             )
             raise InputError(

@@ -7,7 +7,7 @@ import numpy as np
 
 from crankbase.array_checks import positive_number
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 from dynamics.cycle import even_angles
 from dynamics.gas.gas_cycle import SAMPLES_PER_TURN
 from dynamics.gas.pressure import GasPressure, Position, cylinder_volume
@@ -57,8 +57,7 @@ class CompressorCycle:
         ):
             positive_number(name, getattr(self, name), unit, "it is that of a gas in a cylinder")
         discharged, taken = (
-            format_quantity(pressure, "Pa")
-            for pressure in (self.discharge_pressure, self.suction_pressure)
+            amount(pressure, "Pa") for pressure in (self.discharge_pressure, self.suction_pressure)
         )
         if self.discharge_pressure <= self.suction_pressure:
             raise InputError(
@@ -69,7 +68,7 @@ class CompressorCycle:
             most = self.suction_pressure * (1.0 + 1.0 / self.clearance) ** self.exponent
             raise InputError(
                 f"discharge_pressure: given {discharged} with a suction_pressure of {taken}; allowed is less "
-                f"than {format_quantity(most, 'Pa', 4)}, because with a clearance of {self.clearance:g} the "
+                f"than {amount(most, 'Pa', 4)}, because with a clearance of {self.clearance:g} the "
                 "gas left in the cylinder fills it when it expands, and nothing is taken in."
             )
 

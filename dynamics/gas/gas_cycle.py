@@ -20,7 +20,7 @@ from crankbase.choices import check_choice, is_number, number_within, whole_numb
 from crankbase.diagrams import BLUE, new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
-from crankbase.sentences import amount, angle, finished, written
+from crankbase.sentences import amount, angle, finished, kept, written
 from crankbase.summaries import frozen
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.gas.pressure import (
@@ -298,7 +298,7 @@ def name_of_field(name: str) -> str:
 
 def name_fields(error: InputError | str) -> str:
     """Return the text of an error of the cycle model with the names that the fields of files have."""
-    return str(error).replace("_deg", "")
+    return kept(str(error)).replace("_deg", "")
 
 
 def assumption_remarks(cycle: GasCycle) -> tuple[str, ...]:
@@ -585,7 +585,7 @@ def no_work_error(mean_pressure: float) -> InputError:
 
 
 def rounded_mpa(pressure: float, to_whole: Callable[[float], float]) -> str:
-    """Return a pressure in MPa with four digits, a least one rounded up: what is printed is allowed."""
+    """Write a pressure into a text with four digits in MPa, a least one rounded up: it is allowed."""
     if not pressure or not np.isfinite(pressure):
         return format_mpa(pressure)
     step = 10.0 ** (np.floor(np.log10(abs(pressure))) - 3)
@@ -593,8 +593,8 @@ def rounded_mpa(pressure: float, to_whole: Callable[[float], float]) -> str:
 
 
 def format_mpa(pressure: float) -> str:
-    """Return a pressure in MPa for a message, or the given value if it is none."""
-    return f"{pressure / 1e6:.6g} MPa" if is_number(pressure) else repr(pressure)
+    """Write a pressure into a text, or the given value if it is none."""
+    return amount(pressure, "Pa") if is_number(pressure) else repr(pressure)
 
 
 SAMPLES_PER_TURN = 1440

@@ -25,7 +25,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.input_file import GivenFile
 from crankbase.monotone_curve import MonotoneCurve
-from crankbase.sentences import amount, angle, listed, with_sentences
+from crankbase.sentences import angle, in_si, listed, with_sentences
 from crankbase.summaries import summarized
 from dynamics.cycle import (
     checked_strokes,
@@ -447,7 +447,7 @@ def pressure_of_rows(
     pressure = UNITS[unit] * rows.values
     if kind == "gauge":
         pressure += ATMOSPHERE
-        added = f"{amount(ATMOSPHERE, 'Pa', shown='Pa')} of atmosphere were added to the gauge pressure."
+        added = f"{in_si(ATMOSPHERE, 'Pa')} of atmosphere were added to the gauge pressure."
         remarks = (added, *remarks)
     least = int(np.argmin(pressure))
     if pressure[least] <= 0.0:
@@ -557,9 +557,9 @@ def cylinder_volume(position: Position, area: float, compression_ratio: float) -
     way = float(np.ptp(positions))
     if way <= 0.0 or abs(positions[-1] - positions[0]) > RETURN_TOLERANCE * way:
         raise InputError(
-            f"position: given {positions[0]:g} m at 0 deg, {positions[-1]:g} m at 360 deg and a way of "
-            f"{way:g} m between; allowed is a piston that moves and is back after one turn, because "
-            "its volume repeats with the turn."
+            f"position: given {in_si(positions[0], 'm')} at 0 deg, {in_si(positions[-1], 'm')} at 360 deg "
+            f"and a way of {in_si(way, 'm')} between; allowed is a piston that moves and is back after one "
+            "turn, because its volume repeats with the turn."
         )
     top_angle, highest = _extreme(position, places[int(np.argmax(positions[:-1]))], step, 1.0)
     bottom_angle, lowest = _extreme(position, places[int(np.argmin(positions[:-1]))], step, -1.0)

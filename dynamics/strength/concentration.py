@@ -17,6 +17,7 @@ from crankbase.array_checks import (
 )
 from crankbase.choices import check_choice, check_kind
 from crankbase.errors import InputError
+from crankbase.sentences import in_si
 from crankbase.summaries import frozen
 from dynamics.cycle import checked_strokes
 from dynamics.response.loads import section_modulus
@@ -97,13 +98,14 @@ class CrankWeb:
             bore, diameter = getattr(self, f"{part}_bore"), getattr(self, f"{part}_diameter")
             if bore >= diameter:
                 raise InputError(
-                    f"{part}_bore: given {bore:g} m; allowed is less than the diameter of {diameter:g} m, "
-                    "because a wall is left."
+                    f"{part}_bore: given {in_si(bore, 'm')}; allowed is less than the diameter of "
+                    f"{in_si(diameter, 'm')}, because a wall is left."
                 )
         if self.section_thickness <= 0.0:
             raise InputError(
-                f"pin_recess: given {self.pin_recess:g} m; allowed is less than web thickness and pin fillet "
-                f"radius together, {self.web_thickness + self.pin_fillet_radius:g} m, because a web is left."
+                f"pin_recess: given {in_si(self.pin_recess, 'm')}; allowed is less than web thickness and "
+                f"pin fillet radius together, {in_si(self.web_thickness + self.pin_fillet_radius, 'm')}, "
+                "because a web is left."
             )
 
     @property
@@ -553,8 +555,8 @@ class SupportedThrow:
         object.__setattr__(self, "rods", rods)
         if rods.size == 0 or np.any(rods <= 0.0) or np.any(rods >= span):
             raise InputError(
-                f"rods: given {rods.tolist()} m; allowed are places above 0 and below {span:g} m, because "
-                "rods stand between the supports."
+                f"rods: given {rods.tolist()} m; allowed are places above 0 and below {span:g} m, "
+                "because rods stand between the supports."
             )
         for name in ("radial", "tangential"):
             forces = finite_array(name, getattr(self, name))

@@ -17,6 +17,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.results import Number, Part, Quantity, Result, result
+from crankbase.sentences import in_si
 from crankbase.summaries import frozen
 from dynamics.strength.concentration import ConcentrationFactors, ElementFactors
 
@@ -585,8 +586,8 @@ def factors_below(
     through = 2.0 * depth / web.pin_diameter
     if max(across, through) >= 1.0:
         raise InputError(
-            f"depth: given {depth:g} m; allowed is less than half of web and pin, because stresses fall to "
-            "zero in their middle."
+            f"depth: given {in_si(depth, 'm')}; allowed is less than half of web and pin, because stresses "
+            "fall to zero in their middle."
         )
     return (
         (bending - 1.0) * math.exp(-2.0 * over) + 1.0 - across ** (0.6 / math.sqrt(bending)),

@@ -9,7 +9,7 @@ from crankbase.array_checks import nonnegative_number, positive_number
 from crankbase.choices import number_within
 from crankbase.errors import InputError
 from crankbase.results import Number, Part, Quantity, Result
-from crankbase.sentences import amount, with_sentences
+from crankbase.sentences import amount, in_si, with_sentences
 from crankbase.summaries import frozen
 from dynamics.strength.fatigue import Stress
 
@@ -94,9 +94,9 @@ class ShrinkFit(Result):
             )
         if not self.journal_bore < self.shrink_diameter < self.web_diameter:
             raise InputError(
-                f"shrink_diameter: given {self.shrink_diameter:g} m; allowed is above the journal_bore of "
-                f"{self.journal_bore:g} m and below the web_diameter of {self.web_diameter:g} m, because the "
-                "fit lies between them."
+                f"shrink_diameter: given {in_si(self.shrink_diameter, 'm')}; allowed is above the "
+                f"journal_bore of {in_si(self.journal_bore, 'm')} and below the web_diameter of "
+                f"{in_si(self.web_diameter, 'm')}, because the fit lies between them."
             )
 
     @property

@@ -14,7 +14,8 @@ from crankbase.choices import check_choice, whole_number
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, Dataset, grid
-from crankbase.quantity import RPM, format_quantity
+from crankbase.quantity import RPM
+from crankbase.sentences import amount
 from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
@@ -337,7 +338,7 @@ class CycleMotion:
             Torque or force in the spring of an element, or twist or displacement of a node.
         """
         chain, speed = self._chain_and_speed()
-        shown = format_quantity(speed, "rad/s", 5)
+        shown = amount(speed, "rad/s", 5)
         if np.any(np.isinf(self.amplitude)):
             raise InputError(
                 f"speed: given {shown}; allowed are speeds with a steady vibration, because this one "

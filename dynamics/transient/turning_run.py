@@ -21,6 +21,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.frames import Dataset
+from crankbase.sentences import amount, in_si
 from crankbase.summaries import frozen
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain, cylinder_inertia
@@ -444,9 +445,9 @@ def assemble_turning_chain(
     if np.any(left <= 0.0):
         throw = int(np.argmin(left))
         raise InputError(
-            f"engine_chain: given {chain.inertia[np.asarray(nodes)][throw]:g} kg m^2 at throw {throw}; "
-            f"allowed is more than {curves.inertia_mean[throw]:g} kg m^2, because rods and pistons alone "
-            "have that on average."
+            f"engine_chain: given {amount(chain.inertia[np.asarray(nodes)][throw], 'kg m^2')} at throw "
+            f"{throw}; allowed is more than {amount(curves.inertia_mean[throw], 'kg m^2')}, because rods and "
+            "pistons alone have that on average."
         )
     return TurningChain(
         system, curves, throws, constant, relative, ground, even, expand[load_node].copy()
@@ -1055,7 +1056,7 @@ def _checked_load(load: Load | float) -> Callable[[Array, float], Array]:
         moments = np.array([moment(speed, time) for speed in speeds.tolist()], dtype=np.float64)
         if not np.all(np.isfinite(moments)):
             raise InputError(
-                f"load: given a moment of {moments[0]} N m at {speeds[0]:.6g} rad/s and {time:.6g} s; "
+                f"load: given a moment of {moments[0]} N m at {in_si(speeds[0], 'rad/s')} and {time:.6g} s; "
                 "allowed are finite numbers, because the speed follows from the moments."
             )
         return moments

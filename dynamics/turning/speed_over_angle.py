@@ -14,6 +14,7 @@ from crankbase.errors import InputError, quoted
 from crankbase.frames import Axes, DataFrame, table
 from crankbase.quantity import RPM
 from crankbase.results import Internal, Number, Quantity, Result, Speed, result
+from crankbase.sentences import in_si
 from dynamics.cycle import even_angles
 from dynamics.plots.curves import draw_over_angle
 
@@ -82,10 +83,10 @@ def checked_moment(
     moment = _number(returned)
     if not (math.isfinite(moment) and abs(moment) <= largest):
         raise InputError(
-            f"{field}: given a moment of {quoted(returned)} N m at {speed:.6g} rad/s and a shaft angle of "
-            f"{math.degrees(angle):.6g} deg; allowed are finite numbers"
-            f"{'' if largest == math.inf else f' of up to {largest:g}'}, because the speed follows from the "
-            "moments."
+            f"{field}: given a moment of {quoted(returned)} N m at {in_si(speed, 'rad/s')} and a shaft angle "
+            f"of {math.degrees(angle):.6g} deg; allowed are finite "
+            f"numbers{'' if largest == math.inf else f' of up to {largest:g}'}, because the speed follows "
+            "from the moments."
         )
     return moment
 
@@ -558,7 +559,7 @@ def steady_turning(
     trial = turned(solved, shown) if steady else None
     if trial is None:
         raise InputError(
-            f"mean_speed: given {wanted:g} rad/s; allowed is a speed at which the shaft turns "
+            f"mean_speed: given {in_si(wanted, 'rad/s')}; allowed is a speed at which the shaft turns "
             "steadily, because none was found here."
             if comes_round
             else _too_slow(wanted)

@@ -26,6 +26,7 @@ from crankbase.frames import Axes, grid, table
 from crankbase.input_file import JSON, LARGEST_TABLE_FILE, GivenFile, InputFile
 from crankbase.model import InputModel
 from crankbase.outputs import write_text
+from crankbase.sentences import finished
 from fem.end_reactions import Reactions
 from fem.material import Material
 from geometry.throw import CrankThrow
@@ -308,7 +309,9 @@ class ComplianceModel(InputModel):
             for name, (low, high) in family.ranges.items()
         ]
         factors += [f"{name} {' or '.join(of)}" for name, of in family.categories.items()]
-        return f"<ComplianceModel of {', '.join(self.responses)}; factors {', '.join(factors)}>"
+        return finished(
+            f"<ComplianceModel of {', '.join(self.responses)}; factors {', '.join(factors)}>"
+        )
 
     __str__ = __repr__
 
@@ -943,7 +946,7 @@ class ComplianceModel(InputModel):
         others = []
         for other, value in asked.items():
             text = value if isinstance(value, str) else family.format_value(other, float(value))
-            others.append(f"{other.replace('_', ' ')} {text}")
+            others.append(finished(f"{other.replace('_', ' ')} {text}"))
         if gamma_deg is not None:
             others.append(f"neighbors at {gamma_deg:g} deg")
         axes.legend(frameon=False, title="\n".join(others), title_fontsize=8, fontsize=8)

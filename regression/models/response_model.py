@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.choices import check_one_each
 from crankbase.errors import InputError
+from crankbase.sentences import finished
 from regression.fits.forms import FittedForm, code
 from regression.throw_values import format_value
 
@@ -195,7 +196,7 @@ class ResponseModel(FittedForm):
             for name, low, high in zip(self.factors, self.lowest, self.highest, strict=True)
         )
         unit = f" [{self.unit}]" if self.unit else ""
-        return f"<ResponseModel {self.symbol}{unit}: {self.form} of {', '.join(ranges)}>"
+        return finished(f"<ResponseModel {self.symbol}{unit}: {self.form} of {', '.join(ranges)}>")
 
     __str__ = __repr__
 

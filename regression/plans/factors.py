@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.choices import check_choice, did_you_mean, is_number, whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 from crankbase.summaries import frozen
 from geometry.throw import CrankThrow
 
@@ -144,7 +144,7 @@ class Factor:
 
     @property
     def range_text(self) -> str:
-        """Range in the field's usual unit; of a choice its labels."""
+        """Range for a text, in the field's usual unit; of a choice its labels."""
         ends = f"{self.format_value(self.lowest)} to {self.format_value(self.highest)}"
         return ", ".join(self.labels) or ends
 
@@ -153,8 +153,8 @@ class Factor:
         return self.labels[round(value)] if self.labels else value
 
     def format_value(self, value: float) -> str:
-        """Format one of the factor's values for display."""
-        return self.labels[round(value)] if self.labels else format_quantity(value, self.unit)
+        """Write one of the factor's values into a text."""
+        return self.labels[round(value)] if self.labels else amount(value, self.unit)
 
 
 def rounded(value: float) -> float:

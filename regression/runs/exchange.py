@@ -14,8 +14,8 @@ from crankbase.errors import InputError, MissingLibraryError
 from crankbase.exported_table import separator_of, with_points
 from crankbase.input_file import LARGEST_TABLE_FILE, check_file_size
 from crankbase.outputs import atomic_file
-from crankbase.quantity import parse_quantity
 from crankbase.results import Result, result
+from crankbase.written_quantity import parse_quantity
 from fem.response_table import RESPONSES
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record

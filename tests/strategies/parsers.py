@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import crankfem as cf
 from crankbase.errors import InputError
-from crankbase.quantity import parse_quantity
+from crankbase.written_quantity import parse_quantity
 from crankfem.files.engine.throw_file import load_study, load_throw_file
 from crankfem.files.satellites import at_place, satellite_files
 from dynamics.gas.pressure import read_pressure_table

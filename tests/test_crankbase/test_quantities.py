@@ -11,18 +11,13 @@ from hypothesis import strategies as st
 
 import crankfem as cf
 from comparing import close
-from crankbase import quantity
+from crankbase import quantity, written_quantity
 from crankbase.array_checks import checked_degrees, refuse_crank_radians
 from crankbase.errors import InputError
-from crankbase.quantity import (
-    PLAIN_SIZES,
-    TURNING,
-    format_quantity,
-    parse_quantity,
-    readings,
-)
+from crankbase.quantity import format_quantity
 from crankbase.table import Column
 from crankbase.units import NoUnitError, unit_quantity, unit_registry
+from crankbase.written_quantity import PLAIN_SIZES, TURNING, parse_quantity, readings
 from refusals import refused
 
 
@@ -153,8 +148,8 @@ def test_a_failure_of_the_library_is_not_told_as_the_users(monkeypatch):
 @pytest.mark.parametrize(("name", "unit"), [*PLAIN_SIZES, TURNING])
 def test_what_is_known_without_pint_is_what_pint_says(monkeypatch, name, unit):
     known = parse_quantity(f"3.7 {name}", unit, "field")
-    monkeypatch.setattr(quantity, "PLAIN_SIZES", {})
-    monkeypatch.setattr(quantity, "TURNING", None)
+    monkeypatch.setattr(written_quantity, "PLAIN_SIZES", {})
+    monkeypatch.setattr(written_quantity, "TURNING", None)
     assert known == close(parse_quantity(f"3.7 {name}", unit, "field"), rel=1e-15)
 
 

@@ -7,9 +7,12 @@ import pickle
 
 import pytest
 
+from crankbase.errors import InputError
 from crankbase.quantity import UNITS
 from crankbase.results import Result, result
 from crankbase.sentences import (
+    END,
+    START,
     Amount,
     Sentence,
     amount,
@@ -17,6 +20,7 @@ from crankbase.sentences import (
     apart,
     capital,
     finished,
+    in_si,
     joined,
     kept,
     listed,
@@ -140,3 +144,32 @@ def test_results_keep_values_in_python_and_in_json():
     assert record["said"]["text"] == ["width of ", {"value": 0.25, "unit": "m"}]
     # Results of an earlier release have the texts alone.
     assert Told.from_record({**record, "said": {}}).text == "width of 250 mm"
+
+
+def test_an_error_keeps_its_values():
+    error = InputError.of_all(
+        [
+            InputError(f"a: given {amount(0.3, 'm')}; allowed is less."),
+            InputError("b: " + str(InputError(f"given {in_si(0.05, 'm')}."))),
+        ]
+    )
+    inches = parse_output_units("in")
+    for known in (error, pickle.loads(pickle.dumps(error)), InputError(str(error))):
+        assert f"{known}" == "a: given 300 mm; allowed is less.\nb: given 0.05 m."
+        assert [inches.written(line, full=True) for line in known.sentences] == [
+            "a: given 11.811 in; allowed is less.",
+            "b: given 1.9685 in.",
+        ]
+
+
+def test_an_error_whose_quote_is_cut_loses_its_values_alone():
+    error = InputError(f"a: given '{'x' * 500}' of {amount(0.3, 'm')}.")
+    assert str(error).endswith("' of 300 mm.")
+    assert len(str(error)) < 120
+
+
+@pytest.mark.parametrize("mark", ["", "x", "1|m|digits=99999", "1|m|shown=ell", "1|m|no=1", "1m"])
+def test_letters_of_marks_in_a_text_of_a_person_are_no_value(mark):
+    text = f"{START}{mark}{END}"
+    assert str(InputError(text)) == text
+    assert parse_output_units("in").written(text) == text

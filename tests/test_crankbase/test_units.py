@@ -15,8 +15,8 @@ import crankfem.satellites
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
-from crankbase.quantity import parse_quantity
 from crankbase.units import unit_registry
+from crankbase.written_quantity import parse_quantity
 from dynamics.chains.varying import Variation
 
 G, LB, INCH, FT = 9.80665, 0.45359237, 0.0254, 0.3048

@@ -13,7 +13,7 @@ from comparing import close
 from crankbase.array_checks import finite_array, positive_number
 from crankbase.choices import whole_number
 from crankbase.errors import InputError
-from crankbase.quantity import parse_quantity
+from crankbase.written_quantity import parse_quantity
 from crankfem.analyses.assumptions import assumed_values
 from crankfem.analyses.file_check import refuse_what_cannot_run
 from crankfem.analyses.shaft.chains import engine_throw_inertias

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import crankfem as cf
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.quantity import parse_quantity
+from crankbase.written_quantity import parse_quantity
 from crankfem.files.engine.changed_content import lost_changes
 from crankfem.files.engine.file_kinds import SECTIONS, engine_sections, file_kind
 from crankfem.files.reading.data_files import input_path, shipped_names

@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 
 import crankfem as cf
 from crankbase.errors import InputError
-from crankbase.quantity import parse_quantity
+from crankbase.written_quantity import parse_quantity
 from crankfem.cli import app as cli
 from dynamics.engine.rods import PointMotion
 from dynamics.strength.concentration import SupportedThrow

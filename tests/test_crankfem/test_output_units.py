@@ -137,6 +137,45 @@ def test_sentences_of_a_file_and_of_a_formula_in_other_units(call):
     assert re.search(r"the value is [\d.e-]+ rad/\(lbf in\)", " ".join(compared.split()))
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (
+            "check mine.toml",
+            "crank_radius: given 6.88976 in; allowed is half of engine.stroke, 6.69291",
+        ),
+        (
+            "run mine.toml",
+            "crank_radius: given 6.88976 in; allowed is half of engine.stroke, 6.69291 in",
+        ),
+        (
+            "throw mine.toml",
+            "throw.fillet_radius: given 2.3622 in; allowed is 0, or 0.0866142 in to",
+        ),
+        (
+            "mechanism 6chn25-34 --speed 3/min",
+            "--speed: given '3/min'; allowed is 0.5236 rad/s to 3141.6",
+        ),
+        (
+            "lookup model.json web_width=0.3m web_thickness=60mm pin_length=99mm",
+            "pin_length: given 3.89764 in; allowed is 5.47244 in, because it",
+        ),
+    ],
+)
+def test_refusals_in_other_units(call, tmp_path, six_cylinders, model_file, edit, line, said):
+    command, file, *options = line.replace("model.json", str(model_file)).split()
+    if file == "mine.toml":
+        changes = {"throw.fillet_radius": '"60 mm"'}
+        if command != "throw":
+            changes = {"throw.crank_radius": '"175 mm"'}
+        (tmp_path / file).write_text(edit(six_cylinders, changes), encoding="utf-8")
+    answer = call(command, file, *options, "--units", "in, rad/s")
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    # Without the option, and as text, a refusal is as it was.
+    assert " in;" not in call(command, file, *options).err
+
+
 def test_units_in_a_file(call, tmp_path, six_cylinders):
     text = six_cylinders.replace('"170 mm"', '"6.692913386 inch"').replace(
         '"8.5 MPa"', '"1232.8 psi"'

@@ -12,7 +12,7 @@ import numpy as np
 from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
-from crankbase.sentences import angle, listed
+from crankbase.sentences import angle, kept, listed
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, crank_analyses
 from crankfem.analyses.throw.law_record import LAW, LawAnswer, law_answers
 from crankfem.files.chain.chain_file import PLANT, plant_chain
@@ -49,7 +49,7 @@ def _of_each_throw(
             answers[throw] = look_up(with_dimensions(throw))
         except InputError as error:
             which = f"throw {name}" if engine_file.throws_by_name else "this throw"
-            raise InputError(f"does not apply to {which}: {str(error).rstrip('.')}") from None
+            raise InputError(f"does not apply to {which}: {kept(str(error)).rstrip('.')}") from None
     return answers
 
 
@@ -83,7 +83,8 @@ def refuse_law(engine_file: EngineFile) -> None:
             law_values(engine_file, f"{kind}_compliance")
         except InputError as error:
             raise InputError(
-                f"vibration.{kind}_source: given 'law', which {error}; give another source, such as 'fe'."
+                f"vibration.{kind}_source: given 'law', which {kept(str(error))}; give another "
+                "source, such as 'fe'."
             ) from None
 
 
@@ -188,7 +189,7 @@ def _loaded(path: GivenFile, field: str) -> "ComplianceModel":
 
         return ComplianceModel.load(path)
     except InputError as error:
-        raise InputError(f"{field}: {error}") from None
+        raise InputError(f"{field}: {kept(str(error))}") from None
 
 
 def usable_model(

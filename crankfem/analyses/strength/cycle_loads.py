@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from crankbase.array_checks import Array, Flags
 from crankbase.errors import InputError
-from crankbase.quantity import RPM
 from crankbase.results import Internal, Quantity, Result, result
+from crankbase.sentences import amount
 from crankfem.analyses.shaft.throw_analyses import crank_analyses
 from crankfem.analyses.vibration.chain_answers import EngineChains
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics, failing_harmonics
@@ -363,8 +363,8 @@ def _case(
         if np.any(endless):
             raise InputError(
                 f"damping: given none for {kind} vibration that is unbounded at "
-                f"{RPM * speeds[np.argmax(endless)]:.4g} 1/min; allowed is some, because stresses over the "
-                "cycle need a steady vibration."
+                f"{amount(speeds[np.argmax(endless)], 'rad/s', 4)}; allowed is some, because stresses over "
+                "the cycle need a steady vibration."
             )
     forces = added.forces(speeds, case)
     _, common = common_order(torsional.orders)

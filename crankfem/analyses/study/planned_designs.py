@@ -9,6 +9,7 @@ import numpy as np
 
 from crankbase.quantity import DISPLAY_UNITS
 from crankbase.results import Internal, Quantity, Result, result
+from crankbase.sentences import finished
 from crankbase.table import Column, Main, OutputUnit, Table
 from regression.plans.designs import DesignQuality, design_quality
 from regression.plans.plan import ExcludedDesign, PlannedStudy
@@ -147,6 +148,6 @@ class PlannedDesigns(Result):
                 for factor, value in zip(self.planned.plan.factors, first.values, strict=True)
             )
             more = f" ({len(designs) - 1} more alike)" if len(designs) > 1 else ""
-            yield f"  {first.role}, {values}: {first.reason.rstrip('.')}{more}."
+            yield finished(f"  {first.role}, {values}: {first.reason.rstrip('.')}{more}.")
         if len(groups) > MOST_REASONS:
             yield f"  ... and {len(groups) - MOST_REASONS} other reasons; --json has them all."

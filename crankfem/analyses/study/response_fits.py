@@ -14,6 +14,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.frames import table as frame
 from crankbase.results import Internal, Number, Quantity, Result, result
+from crankbase.sentences import finished
 from fem.response_table import RESPONSES
 from regression.fits.equation_text import term_effects
 from regression.fits.fit import Fit
@@ -501,7 +502,7 @@ def _named_slopes(table: StudyTable, doubted: Sequence[tuple[int, int]]) -> tupl
                 f"{varied.name} {varied.format_value(value)}"
                 for varied, value in zip(factors, values[run].tolist(), strict=True)
             )
-            texts.append(f"over {factor.name} at {', '.join(settings)}")
+            texts.append(finished(f"over {factor.name} at {', '.join(settings)}"))
     return tuple(texts)
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.frames import Axes, table_of
-from crankbase.quantity import parse_quantity
 from crankbase.results import Internal, Part, Quantity, Result, Speed, result
 from crankbase.sentences import kept
 from crankbase.table import SI, Column, OutputUnits, Table
+from crankbase.written_quantity import parse_quantity
 from crankfem.analyses.shaft.chains import magnifier_damping
 from crankfem.analyses.vibration.run import EngineVibration
 from dynamics.transient.motions import Envelope, TransientMotion, axis_names, transient_motion

@@ -187,6 +187,7 @@ def with_output(
         ) -> None:
             console.output.printed = console.errors.printed = 0
             output = Output(parse_output_units(units), json, quiet, force, full)
+            console.errors.units = output.units
             with each_file_once():
                 note = _name_not_used(command.__name__, source.split(), arguments, output)
                 # Its lines are those of the first screen too.

@@ -12,8 +12,9 @@ from crankbase.array_checks import Array
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.input_file import LARGEST_TEXT_FILE, InputFile
-from crankbase.quantity import parse_quantity
+from crankbase.sentences import amount, joined, kept
 from crankbase.summaries import frozen
+from crankbase.written_quantity import parse_quantity
 from crankfem.files.chain.chain_build import (
     KINDS,
     UNITS,
@@ -84,7 +85,7 @@ def read_chain_text(text: str, source: str = "text") -> ChainText:
         return _read(text)
     except InputError as error:
         raise InputError(
-            "\n".join(f"{source}: {sentence}" for sentence in error.sentences)
+            joined("\n", (f"{source}: {kept(sentence)}" for sentence in error.sentences))
         ) from None
 
 
@@ -202,7 +203,7 @@ def _chain(nodes: dict[str, dict[str, float]], links: list[_Link]) -> Chain:
                 else:
                     springs.append(((left, right), link.values))
             except InputError as error:
-                raise InputError(f"{link.line}: {error}") from None
+                raise InputError(f"{link.line}: {kept(str(error))}") from None
     errors.tell()
     return Chain(
         [values["inertia"] for values in nodes.values()],
@@ -395,7 +396,7 @@ def _read_chain(content: TomlFile) -> ChainFile:
         chain = chain_of(section, material)
     except InputError as error:
         raise InputError(
-            "\n".join(f"{path.name}: {sentence}" for sentence in error.sentences)
+            joined("\n", (f"{path.name}: {kept(sentence)}" for sentence in error.sentences))
         ) from None
     _check_sizes(path.name, chain)
     return ChainFile(
@@ -482,8 +483,9 @@ def _line_beam(row: ChainFile, chains: dict[str, Chain], lines: ShaftLineFiles) 
     for place in places:
         if not 0.0 <= place <= length:
             raise InputError(
-                f"shaft_line.bearings: given one at {1e3 * place:g} mm; allowed is 0 to {1e3 * length:g} mm, "
-                "because the pieces of shaft in a row behind the first node are so long."
+                f"shaft_line.bearings: given one at {amount(place, 'm')}; allowed is 0 to "
+                f"{amount(length, 'm')}, because the pieces of shaft in a row behind the first node are so "
+                "long."
             )
     stiffness = lines.bearing_stiffness or ASSUMED_PER_DIAMETER * thinnest
     bearings = tuple((place, stiffness) for place in places)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 from crankfem.files.reading.data_files import InputFiles
 from crankfem.files.sections.engine_sections import Engine
 from crankfem.files.sections.mechanism_sections import Gas, given_of_cycle
@@ -53,11 +53,11 @@ def by_gas(
 ) -> Calculated:
     """Calculate cycles from the section [gas]; errors name its fields, with pressures above ambient."""
     peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
-    above = "" if gas.peak_pressure is None else format_quantity(gas.peak_pressure, "Pa")
+    above = "" if gas.peak_pressure is None else amount(gas.peak_pressure, "Pa")
     if peak is not None and peak > HIGHEST_PEAK:
         raise InputError(
             f"gas.peak_pressure: given {above} above ambient; allowed is "
-            f"{format_quantity(HIGHEST_PEAK, 'Pa')} absolute at most, because no piston engine withstands "
+            f"{amount(HIGHEST_PEAK, 'Pa')} absolute at most, because no piston engine withstands "
             "more."
         )
     load = FullLoad(gas.compression_ratio, given_of_cycle(gas), peak, gas.mean_effective_pressure)

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity
-from crankbase.sentences import angle, capital, finished, listed
+from crankbase.sentences import amount, angle, capital, finished, listed
 from crankfem.files.reading.toml_file import InputWarning
 from crankfem.files.sections.crank_throws import ShaftLayout
 from crankfem.files.sections.engine_sections import Engine
@@ -141,21 +140,21 @@ def check_sizes(
     radius = throw.crank_radius
     if not math.isclose(2.0 * radius, engine.stroke, rel_tol=1e-3):
         raise InputError(
-            f"{section}.crank_radius: given {format_quantity(radius, 'm')}; allowed is half "
+            f"{section}.crank_radius: given {amount(radius, 'm')}; allowed is half "
             "of engine.stroke, "
-            f"{format_quantity(engine.stroke / 2.0, 'm')}, because the piston moves by two crank radii; "
-            f"correct it, or engine.stroke, given {format_quantity(engine.stroke, 'm')}."
+            f"{amount(engine.stroke / 2.0, 'm')}, because the piston moves by two crank radii; "
+            f"correct it, or engine.stroke, given {amount(engine.stroke, 'm')}."
         )
     if rod.length <= 1.5 * radius:
         raise InputError(
-            f"rod.length: given {format_quantity(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
-            f"{format_quantity(1.5 * radius, 'm')}, or the mechanism cannot turn."
+            f"rod.length: given {amount(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
+            f"{amount(1.5 * radius, 'm')}, or the mechanism cannot turn."
         )
     largest = min(radius, rod.length - 1.5 * radius)
     if abs(piston.pin_offset) > largest:
         raise InputError(
-            f"piston.pin_offset: given {format_quantity(piston.pin_offset, 'm')}; allowed is "
-            f"{format_quantity(largest, 'm')} or less either way, because the rod must reach the piston."
+            f"piston.pin_offset: given {amount(piston.pin_offset, 'm')}; allowed is "
+            f"{amount(largest, 'm')} or less either way, because the rod must reach the piston."
         )
 
 
@@ -253,9 +252,9 @@ def _positions(
             turned = engine.crank_angles[place] - math.atan2(-pin.axis[0], pin.axis[1])
             if abs(math.remainder(turned - throw_angles[number], 2.0 * math.pi)) > IN_LINE:
                 raise InputError(
-                    f"engine.crank_angles: given {format_quantity(engine.crank_angles[place], 'rad')} for "
+                    f"engine.crank_angles: given {amount(engine.crank_angles[place], 'rad')} for "
                     f"cylinder {place + 1}, whose pin on throw {number + 1} is at "
-                    f"{format_quantity(engine.crank_angles[place] - turned + throw_angles[number], 'rad')}; "
+                    f"{amount(engine.crank_angles[place] - turned + throw_angles[number], 'rad')}; "
                     "allowed is the angle of its pin, because the rod is on it (engine.throws defines which "
                     "cylinder is on which throw, [[throw.further_pins]] gives a throw more pins)."
                 )

@@ -11,8 +11,8 @@ import numpy as np
 
 from crankbase.array_checks import Array
 from crankbase.errors import InputError
-from crankbase.quantity import parse_quantity
 from crankbase.sentences import written
+from crankbase.written_quantity import parse_quantity
 from crankfem.files.engine.mechanism_cylinders import intervals_text
 from dynamics.engine.layout import EVEN, firing_intervals
 from geometry.throw import CrankThrow

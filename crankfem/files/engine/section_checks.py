@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from crankbase.errors import InputError
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount
 from crankfem.files.sections.engine_sections import Engine, ThrustBearing, VibrationSettings
 from crankfem.files.sections.excitation_sections import GasMap, Misfire
 from crankfem.files.sections.mechanism_sections import Gas, LoadSection
@@ -70,7 +70,7 @@ def check_load(
 def _check_covers(field: str, speeds: Sequence[float], engine: Engine) -> None:
     if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
         listed, allowed = (
-            f"{format_quantity(low, 'rad/s', 5)} to {format_quantity(high, 'rad/s', 5)}"
+            f"{amount(low, 'rad/s', 5)} to {amount(high, 'rad/s', 5)}"
             for low, high in (
                 (min(speeds), max(speeds)),
                 (engine.lowest_speed, engine.highest_speed),
@@ -139,14 +139,14 @@ def check_strength(
             )
         if strength.pin_recess >= throw.web_thickness:
             raise InputError(
-                f"strength.pin_recess: given {format_quantity(strength.pin_recess, 'm')}; allowed is less "
-                f"than the web_thickness of throw {number}, {format_quantity(throw.web_thickness, 'm')}, "
+                f"strength.pin_recess: given {amount(strength.pin_recess, 'm')}; allowed is less "
+                f"than the web_thickness of throw {number}, {amount(throw.web_thickness, 'm')}, "
                 "because the recess is cut into the web."
             )
         fit = strength.shrink_fit
         if fit is not None and fit.shrink_diameter <= throw.main_journal_bore:
             raise InputError(
-                f"strength.shrink_fit.shrink_diameter: given {format_quantity(fit.shrink_diameter, 'm')}; "
+                f"strength.shrink_fit.shrink_diameter: given {amount(fit.shrink_diameter, 'm')}; "
                 f"allowed is more than the main_journal_bore of throw {number}, "
-                f"{format_quantity(throw.main_journal_bore, 'm')}, because the journal has a wall."
+                f"{amount(throw.main_journal_bore, 'm')}, because the journal has a wall."
             )

@@ -21,9 +21,10 @@ from crankbase.input_file import (
     STEP_ENDINGS,
 )
 from crankbase.model import InputModel, field_extra, inertia_field, part_kind
-from crankbase.quantity import SEPARATED_NUMBER, either, format_quantity, readings
+from crankbase.quantity import format_quantity
 from crankbase.results import Result
-from crankbase.sentences import END, START, finished, with_sentences
+from crankbase.sentences import END, START, finished, joined, with_sentences
+from crankbase.written_quantity import SEPARATED_NUMBER, either, readings
 from crankfem.files.reading.data_files import FILES_READ, InputFiles
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
@@ -446,7 +447,7 @@ class TomlFile:
             yield
         except InputError as error:
             first, others = error.sentences[:MOST_TOLD], error.sentences[MOST_TOLD:]
-            raise InputError("\n".join([*map(self._with_line, first), *others])) from None
+            raise InputError(joined("\n", [*map(self._with_line, first), *others])) from None
 
     def _with_line(self, sentence: str) -> str:
         """Add to a sentence about a field in which line of the file it is."""

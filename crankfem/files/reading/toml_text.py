@@ -8,7 +8,8 @@ from typing import Any
 from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
-from crankbase.quantity import format_quantity, parse_quantity
+from crankbase.quantity import format_quantity
+from crankbase.written_quantity import parse_quantity
 
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 

@@ -14,7 +14,7 @@ from crankbase.array_checks import refuse_crank_radians, refuse_many_turns
 from crankbase.choices import check_choice
 from crankbase.errors import InputError, InputErrors
 from crankbase.model import InputModel, quantity_field
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount, joined, kept
 from crankfem.files.reading.toml_file import TomlFile
 from geometry.any_throw import Throw, dimensioned
 from geometry.throw import CrankThrow
@@ -189,8 +189,8 @@ def check_compatible_throws(throws: Throws) -> None:
         close = SAME_RADIUS if both else MEASURED_RADIUS
         if not math.isclose(throw.crank_radius, model.crank_radius, rel_tol=close):
             raise InputError(
-                f"throws.{name}.crank_radius: given {format_quantity(throw.crank_radius, 'm')}; allowed is "
-                f"{format_quantity(model.crank_radius, 'm')} as in throws.{first}, because all pistons of an "
+                f"throws.{name}.crank_radius: given {amount(throw.crank_radius, 'm')}; allowed is "
+                f"{amount(model.crank_radius, 'm')} as in throws.{first}, because all pistons of an "
                 "engine have one stroke."
             )
         if len(throw.parts.pins) != count:
@@ -246,7 +246,7 @@ def _named(content: TomlFile, name: str, tables: Mapping[str, Any]) -> Throw:
         also = content.made(section, NamedThrow, beside)
     except InputError as error:
         lines = [] if "like" in beside else _sentences(dimensions, section)
-        raise InputError("\n".join([*error.sentences, *lines])) from None
+        raise InputError(joined("\n", [*error.sentences, *lines])) from None
     if also.like is None:
         return content.made(section, CrankThrow, dimensions)
     full = [
@@ -271,7 +271,9 @@ def _named(content: TomlFile, name: str, tables: Mapping[str, Any]) -> Throw:
             _sentences(other, section), _sentences(other, f"throws.{also.like}"), strict=True
         )
         renamed = dict(there)
-        raise InputError("\n".join(renamed.get(line, line) for line in error.sentences)) from None
+        raise InputError(
+            joined("\n", (renamed.get(line, line) for line in error.sentences))
+        ) from None
     return throw.reversed() if also.reversed else throw
 
 
@@ -287,7 +289,7 @@ def _imported(content: TomlFile, section: str, values: Mapping[str, Any]) -> Thr
     try:
         return _read(str(file.path.resolve()), file.path.stat().st_mtime_ns, made.pins)
     except InputError as error:
-        raise InputError(f"{section}.file: {error}") from None
+        raise InputError(f"{section}.file: {kept(str(error))}") from None
 
 
 @lru_cache(maxsize=64)

@@ -14,7 +14,8 @@ from crankbase.choices import check_choice
 from crankbase.errors import InputError, quoted
 from crankbase.input_file import InputFile
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.quantity import PER_MINUTE, format_quantity
+from crankbase.quantity import PER_MINUTE
+from crankbase.sentences import amount
 from crankfem.files.reading.toml_file import TomlFile
 from dynamics.assessment.limit_rules import RULE_OF_DRIVEN
 from dynamics.chains.shaft_line import PRIME_MOVERS
@@ -124,14 +125,14 @@ class Engine(InputModel):
             raise InputError(f"engine.strokes: given {self.strokes}; allowed are 2 and 4.")
         if not self.lowest_speed < self.highest_speed:
             raise InputError(
-                f"engine.lowest_speed: given {format_quantity(self.lowest_speed, 'rad/s')}; allowed is less "
-                f"than highest_speed, {format_quantity(self.highest_speed, 'rad/s')}."
+                f"engine.lowest_speed: given {amount(self.lowest_speed, 'rad/s')}; allowed is less "
+                f"than highest_speed, {amount(self.highest_speed, 'rad/s')}."
             )
         if not self.lowest_speed <= self.rated_speed <= self.highest_speed:
             raise InputError(
-                f"engine.rated_speed: given {format_quantity(self.rated_speed, 'rad/s')}; allowed is "
-                f"lowest_speed to highest_speed, {format_quantity(self.lowest_speed, 'rad/s')} to "
-                f"{format_quantity(self.highest_speed, 'rad/s')}."
+                f"engine.rated_speed: given {amount(self.rated_speed, 'rad/s')}; allowed is "
+                f"lowest_speed to highest_speed, {amount(self.lowest_speed, 'rad/s')} to "
+                f"{amount(self.highest_speed, 'rad/s')}."
             )
         for name, kind in (
             ("crank_angles", "angles"),

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.quantity import PER_MINUTE
+from crankbase.sentences import kept
 from crankfem.files.reading.data_files import InputFiles, torque_path
 from dynamics.excitation.pressure_map import Load, PressureMap, pressure_map, propeller_load
 from dynamics.excitation.propeller import PropellerForces
@@ -190,7 +191,7 @@ def gas_map_pressure(
     try:
         return pressure_map(points, method=section.method)
     except InputError as error:
-        raise InputError(f"gas_map.{error}") from None
+        raise InputError(f"gas_map.{kept(str(error))}") from None
 
 
 def gas_map_load(section: GasMap, rated_speed: float) -> Load | None:

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount, in_si
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import CRANKSHAFT_RULES, SHAFT_FEATURES, propulsion_shaft_limit
 from dynamics.assessment.limit_rules import Kind as EngineKind
@@ -102,8 +102,8 @@ def check_passing(
     """Refuse a permitted value for passing a barred range below that for continuous running."""
     if passing is not None and (kept is None or passing < kept):
         raise InputError(
-            f"{section}.{name}{PASSING}: given {passing:g} {unit}; allowed is no less than {name}, which "
-            "must be given, because a permitted continuous vibration may also be passed."
+            f"{section}.{name}{PASSING}: given {in_si(passing, unit)}; allowed is no less than {name}, "
+            "which must be given, because a permitted continuous vibration may also be passed."
         )
 
 
@@ -224,8 +224,8 @@ class LimitsInput(InputModel):
         tensile, yielding = self.tensile_strength, self.yield_strength
         if tensile is not None and yielding is not None and yielding > tensile:
             raise InputError(
-                f"limits.yield_strength: given {format_quantity(yielding, 'Pa')} above a tensile_strength of "
-                f"{format_quantity(tensile, 'Pa')}; allowed is that or less, because a steel yields before "
+                f"limits.yield_strength: given {amount(yielding, 'Pa')} above a tensile_strength of "
+                f"{amount(tensile, 'Pa')}; allowed is that or less, because a steel yields before "
                 "it breaks."
             )
         if self.crankshaft_rule:

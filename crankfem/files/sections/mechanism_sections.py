@@ -8,7 +8,8 @@ from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.quantity import PER_MINUTE, format_quantity
+from crankbase.quantity import PER_MINUTE
+from crankbase.sentences import amount, kept
 from dynamics.excitation.pressure_map import LoadPoints
 from dynamics.gas.compressor import CompressorCycle
 from dynamics.gas.gas_cycle import USUAL_VALUES, name_of_field
@@ -21,8 +22,8 @@ GRAVITY = 9.80665  # standard [m/s^2]
 def _check_share(section: str, share: float, whole: float) -> None:
     if not 0.0 < share < whole:
         raise InputError(
-            f"{section}.rotating_mass: given {share:g} kg; allowed is above 0 and less than the rod's mass "
-            f"of {whole:g} kg, because it is a share of it."
+            f"{section}.rotating_mass: given {amount(share, 'kg')}; allowed is above 0 and less than the "
+            f"rod's mass of {amount(whole, 'kg')}, because it is a share of it."
         )
 
 
@@ -95,12 +96,12 @@ class Rod(InputModel):
         if period is not None and (self.known_inertia or 0.0) <= 0.0:
             point = 2.0 * math.pi * math.sqrt((arm or 0.0) / GRAVITY)
             raise InputError(
-                f"rod.swing_period: given {period:g} s at {format_quantity(arm or 0.0, 'm')} from the edge; "
+                f"rod.swing_period: given {period:g} s at {amount(arm or 0.0, 'm')} from the edge; "
                 f"allowed is above {point:.5g} s, because a body swings more slowly than a point does there."
             )
         if self.center_offset != 0.0 and self.known_inertia is None:
             raise InputError(
-                f"rod.center_offset: given {format_quantity(self.center_offset, 'm')} "
+                f"rod.center_offset: given {amount(self.center_offset, 'm')} "
                 "without inertia; allowed "
                 "are both, because a rod modeled as two masses at its pins has its center between them."
             )
@@ -239,7 +240,7 @@ class Gas(InputModel):
         try:
             return CompressorCycle(*(getattr(self, name) for name in COMPRESSOR))
         except InputError as error:
-            raise InputError(f"gas.{error}") from None
+            raise InputError(f"gas.{kept(str(error))}") from None
 
     @model_validator(mode="after")
     def _says_how_high(self) -> Self:

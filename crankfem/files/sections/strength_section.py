@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, length_field, part_field, quantity_field
-from crankbase.quantity import format_quantity
+from crankbase.sentences import amount, kept
 from dynamics.strength.concentration import Coefficients
 from dynamics.strength.fatigue import TREATED, Manufacture, Piston, Process, SurfaceTreatment
 from dynamics.strength.shrink_fit import LEAST_SAFETY, MOST_FRICTION
@@ -41,7 +41,7 @@ class HardeningInput(InputModel):
         try:
             self.treatment()
         except InputError as error:
-            raise InputError(f"strength.hardening.{error}") from None
+            raise InputError(f"strength.hardening.{kept(str(error))}") from None
         return self
 
     def treatment(self) -> SurfaceTreatment:
@@ -79,8 +79,8 @@ class ShrinkFitInput(InputModel):
     def _lies_in_the_web(self) -> Self:
         if self.web_diameter <= self.shrink_diameter:
             raise InputError(
-                f"strength.shrink_fit.web_diameter: given {format_quantity(self.web_diameter, 'm')}; allowed "
-                f"is more than the shrink_diameter of {format_quantity(self.shrink_diameter, 'm')}, because "
+                f"strength.shrink_fit.web_diameter: given {amount(self.web_diameter, 'm')}; allowed "
+                f"is more than the shrink_diameter of {amount(self.shrink_diameter, 'm')}, because "
                 "the web surrounds the fit."
             )
         return self

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from crankbase.array_checks import Array
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_of, part_field, quantity_field, range_text
+from crankbase.sentences import amount
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
 from dynamics.chains.varying import Variation
 
@@ -113,8 +114,8 @@ class Bearings(InputModel):
         ):
             if end is not None and outside(end, self.stiffness):
                 raise InputError(
-                    f"bearings.{name}: given {end:g} N/m; allowed is a range that holds the stiffness of "
-                    f"{self.stiffness:g} N/m, because that is its nominal value."
+                    f"bearings.{name}: given {amount(end, 'N/m')}; allowed is a range that holds the "
+                    f"stiffness of {amount(self.stiffness, 'N/m')}, because that is its nominal value."
                 )
         return self
 

@@ -91,7 +91,7 @@ def cad(
     from pathlib import Path
 
     from crankbase.outputs import write_user_file
-    from crankbase.quantity import parse_quantity
+    from crankbase.written_quantity import parse_quantity
     from crankfem.analyses.record import with_units
     from crankfem.jobs.outputs import check_outputs, check_writable, make_output_folder
     from crankfem.satellites.cad.dimensions import dimensions_text
@@ -167,7 +167,7 @@ def _removed_if_empty(folder: str | None) -> Iterator[None]:
 
 def _moved(texts: list[str]) -> dict[int, float]:
     """Return by how much cuts are moved [m], by number."""
-    from crankbase.quantity import parse_quantity
+    from crankbase.written_quantity import parse_quantity
 
     moved: dict[int, float] = {}
     for text in texts:

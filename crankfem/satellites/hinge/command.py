@@ -50,7 +50,7 @@ def hinge(
 ) -> None:
     """Calculate the guides of an elastic hinge for constant crank speed, and the speed left uneven."""
     from crankbase.choices import check_choice
-    from crankbase.quantity import parse_quantity
+    from crankbase.written_quantity import parse_quantity
     from crankfem.analyses.record import with_units
     from crankfem.cli.console import write_columns
     from crankfem.jobs.outputs import check_outputs

@@ -18,6 +18,7 @@ from crankbase.array_checks import (
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.input_file import GivenFile
+from crankbase.sentences import amount, in_si
 from crankbase.summaries import frozen
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import (
@@ -141,9 +142,9 @@ class CrossheadEngine:
         least = self.crank_mass * self.crank_center_distance**2
         if self.crank_inertia < least:
             raise InputError(
-                f"crank_inertia: given {self.crank_inertia:g} kg m^2; allowed is {least:g} kg m^2 or "
-                f"more, because {self.crank_mass:g} kg with the center "
-                f"{self.crank_center_distance:g} m from the axis have no less."
+                f"crank_inertia: given {amount(self.crank_inertia, 'kg m^2')}; allowed is "
+                f"{amount(least, 'kg m^2')} or more, because {amount(self.crank_mass, 'kg')} with the center "
+                f"{in_si(self.crank_center_distance, 'm')} from the axis have no less."
             )
 
     @property
@@ -354,8 +355,8 @@ def _series(engine: CrossheadEngine, angles: Array, sign: float) -> ReducedCrank
     rod, radius, ratio = engine.rod, engine.crank_radius, engine.crank_ratio
     if rod.center_offset != 0.0:
         raise InputError(
-            f"rod center_offset: given {rod.center_offset:g} m; allowed is 0 with the series, because it "
-            "is for rods with the center of mass on their axis."
+            f"rod center_offset: given {in_si(rod.center_offset, 'm')}; allowed is 0 with the series, "
+            "because it is for rods with the center of mass on their axis."
         )
     near = sign * rod.center_distance / rod.length
     far = 1.0 - rod.center_distance / rod.length

@@ -10,7 +10,8 @@ from pydantic import Field, model_validator
 from crankbase.errors import InputError
 from crankbase.input_file import InputFile
 from crankbase.model import InputModel, part_field, quantity_field
-from crankbase.quantity import PER_MINUTE, format_quantity
+from crankbase.quantity import PER_MINUTE
+from crankbase.sentences import amount
 from crankbase.summaries import frozen
 from crankfem.files.reading.data_files import InputFiles, input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
@@ -372,9 +373,9 @@ class HingeFile:
         for point in self.operation.points:
             if math.isclose(point.speed, speed, rel_tol=SAME_SPEED):
                 return point
-        allowed = ", ".join(format_quantity(known, "rad/s") for known in self.speeds)
+        allowed = ", ".join(amount(known, "rad/s") for known in self.speeds)
         raise InputError(
-            f"{field}: given {format_quantity(speed, 'rad/s')}; allowed are the speeds of "
+            f"{field}: given {amount(speed, 'rad/s')}; allowed are the speeds of "
             "the running points, "
             f"{allowed}, because the gas force is known for them."
         )
@@ -447,8 +448,8 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
             design = math.isclose(point.speed, hinge.design_speed, rel_tol=SAME_SPEED)
             if design and point.pressure not in (None, hinge.pressure):
                 raise InputError(
-                    f"operation.points.pressure: given {format_quantity(point.pressure or 0.0, 'Pa')} at "
-                    f"design_speed; allowed is hinge.pressure, {format_quantity(hinge.pressure, 'Pa')}, or "
+                    f"operation.points.pressure: given {amount(point.pressure or 0.0, 'Pa')} at "
+                    f"design_speed; allowed is hinge.pressure, {amount(hinge.pressure, 'Pa')}, or "
                     "none, because the guides are made for that."
                 )
         return file

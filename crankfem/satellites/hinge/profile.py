@@ -22,7 +22,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, Row, table
 from crankbase.quantity import format_quantity
 from crankbase.results import Internal, Part, Quantity, Result, result
-from crankbase.sentences import amount, angle, kept
+from crankbase.sentences import amount, angle, in_si, kept
 from crankfem.satellites.hinge.crosshead import (
     periodic_spline,
 )
@@ -91,9 +91,9 @@ def check_roller(roller_radius: float, curvature: Array) -> None:
     hollow = smallest_hollow(curvature)
     if roller_radius >= hollow:
         raise InputError(
-            f"roller_radius: given {roller_radius:g} m; allowed is less than {hollow:.4g} m, because "
-            "there the roller's path bends away from the axis with that radius, and the guide of a "
-            "larger roller has a cusp."
+            f"roller_radius: given {in_si(roller_radius, 'm')}; allowed is less than "
+            f"{in_si(hollow, 'm', 4)}, because there the roller's path bends away from the axis with that "
+            "radius, and the guide of a larger roller has a cusp."
         )
 
 
@@ -446,8 +446,9 @@ def hinge_profile(
     nonnegative_number("roller_radius", roller_radius, "m", "it is a length")
     if not spring.height < 2.0 * start_radius:
         raise InputError(
-            f"height: given {spring.height:g} m with a start radius of {start_radius:g} m; allowed is less "
-            f"than twice that, {2.0 * start_radius:g} m, because the gas column stands between the rollers."
+            f"height: given {in_si(spring.height, 'm')} with a start radius of {in_si(start_radius, 'm')}; "
+            f"allowed is less than twice that, {in_si(2.0 * start_radius, 'm')}, because the gas column "
+            "stands between the rollers."
         )
     compression = spring.compression(moment.stored_energy)
     return HingeProfile(

@@ -14,6 +14,7 @@ from crankbase.array_checks import (
 )
 from crankbase.errors import InputError
 from crankbase.results import Number, Quantity, Result
+from crankbase.sentences import amount, in_si
 
 Length = Annotated[float, Quantity("m")]
 Pressure = Annotated[float, Quantity("Pa")]
@@ -138,8 +139,8 @@ class GasSpring(Result):
         largest = float(np.max(shorter, initial=0.0))
         if largest >= self.height:
             raise InputError(
-                f"compression: given {largest:g} m of a gas column {self.height:g} m high; allowed is less "
-                "than its height, because the gas takes up room."
+                f"compression: given {in_si(largest, 'm')} of a gas column {in_si(self.height, 'm')} high; "
+                "allowed is less than its height, because the gas takes up room."
             )
         return shorter
 
@@ -156,10 +157,11 @@ class GasSpring(Result):
         most = float(self.work((1.0 - LEAST_COLUMN) * self.height))
         if largest > most:
             raise InputError(
-                f"pressure: given {self.pressure / 1e6:g} MPa in a spring {self.height:g} m high that must "
-                f"take {largest / 1e3:.4g} kJ; allowed is a pressure at which the gas takes more, here at "
-                f"most {most / 1e3:.4g} kJ until {LEAST_COLUMN * self.height:.3g} m of the column are left, "
-                "because the compression z must stay below the height H."
+                f"pressure: given {amount(self.pressure, 'Pa')} in a spring {in_si(self.height, 'm')} high "
+                f"that must take {amount(largest, 'J', 4, shown='kJ')}; allowed is a pressure at which the "
+                f"gas takes more, here at most {amount(most, 'J', 4, shown='kJ')} until "
+                f"{in_si(LEAST_COLUMN * self.height, 'm', 3)} of the column are left, because the "
+                "compression z must stay below the height H."
             )
 
     def _check_energy(self, work: Array) -> None:
@@ -175,7 +177,8 @@ class GasSpring(Result):
             return
         if asked >= released * (1.0 - 1e-9):
             raise InputError(
-                f"pressure: given {self.pressure / 1e6:g} MPa in a spring that must give "
-                f"{asked / 1e3:.4g} kJ; allowed is a pressure at which the gas gives more, here at most "
-                f"{released / 1e3:.4g} kJ, because it does no more work when it has expanded."
+                f"pressure: given {amount(self.pressure, 'Pa')} in a spring that must give "
+                f"{amount(asked, 'J', 4, shown='kJ')}; allowed is a pressure at which the gas gives more, "
+                f"here at most {amount(released, 'J', 4, shown='kJ')}, because it does no more work when it "
+                "has expanded."
             )

@@ -15,8 +15,9 @@ from crankbase.array_checks import (
 from crankbase.diagrams import new_axes, write_title
 from crankbase.errors import InputError
 from crankbase.frames import Axes, DataFrame, table
-from crankbase.quantity import RPM, format_quantity
+from crankbase.quantity import RPM
 from crankbase.results import Internal, Number, Quantity, Result, Speed, result
+from crankbase.sentences import amount, in_si
 from crankfem.satellites.hinge.crosshead import (
     TURN,
     ReducedCrank,
@@ -123,8 +124,8 @@ def steady_hinge_turn(
     if top_speed is not None:
         if speed is not None:
             raise InputError(
-                f"top_speed: given {top_speed:g} rad/s beside a mean speed of {speed:g} rad/s; allowed is "
-                "one of the two, because either follows from the other."
+                f"top_speed: given {in_si(top_speed, 'rad/s')} beside a mean speed of "
+                f"{in_si(speed, 'rad/s')}; allowed is one of the two, because either follows from the other."
             )
         top_speed = positive_number("top_speed", top_speed, "rad/s", "the crank turns forward")
         inertia = energy.inertia + flywheel
@@ -133,8 +134,9 @@ def steady_hinge_turn(
         if not at_top > lacking:
             needed = math.sqrt(2.0 * lacking / float(inertia[0]))
             raise InputError(
-                f"top_speed: given {top_speed:.4g} rad/s; allowed is more than {needed:.4g} rad/s, because "
-                f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must complete a revolution."
+                f"top_speed: given {in_si(top_speed, 'rad/s', 4)}; allowed is more than "
+                f"{in_si(needed, 'rad/s', 4)}, because over a turn the crank loses "
+                f"{amount(lacking, 'J', 4, shown='kJ')} and must complete a revolution."
             )
         return _turn(energy, inertia, at_top, flywheel)
     wanted = positive_number(
@@ -221,10 +223,10 @@ def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyHingeT
     if at_top is None:
         slowest = slowest_mean_speed(energy.gained, inertia)
         raise InputError(
-            f"speed: given a mean of {format_quantity(speed, 'rad/s', 4)}; allowed is "
-            f"{format_quantity(slowest, 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
+            f"speed: given a mean of {amount(speed, 'rad/s', 4)}; allowed is "
+            f"{amount(slowest, 'rad/s', 4)} or more with a flywheel of {amount(flywheel, 'kg m^2', 4)}, "
             "because a slower crank does not complete a revolution: over a turn its energy swings by "
-            f"{np.ptp(energy.gained) / 1e3:.4g} kJ."
+            f"{amount(np.ptp(energy.gained), 'J', 4, shown='kJ')}."
         )
     return _turn(energy, inertia, at_top, flywheel)
 
@@ -320,7 +322,7 @@ def flywheel_for(
         if larger > LARGEST_FLYWHEEL:
             raise InputError(
                 f"fluctuation: given {fluctuation:g}; allowed is what a flywheel of "
-                f"{LARGEST_FLYWHEEL:g} kg m^2 reaches, because larger ones are not built."
+                f"{amount(LARGEST_FLYWHEEL, 'kg m^2')} reaches, because larger ones are not built."
             )
     smaller = 0.0 if larger == 1.0 else larger / 10.0
     return float(brentq(excess, smaller, larger, rtol=1e-12))
@@ -401,7 +403,7 @@ def best_pressure(
     if not minimum.fun < STANDING:
         raise InputError(
             f"bounds: given {low:g} to {high:g}; allowed are bounds between which the crank completes "
-            f"revolutions at {point.speed:g} rad/s, because there is nothing to compare otherwise."
+            f"revolutions at {in_si(point.speed, 'rad/s')}, because there is nothing to compare otherwise."
         )
     unchanged = fluctuation(0.0)
     ratio = math.exp(float(minimum.x))

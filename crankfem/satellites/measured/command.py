@@ -94,7 +94,7 @@ def measured(
     from pathlib import Path
 
     from crankbase.outputs import check_output
-    from crankbase.quantity import parse_quantity
+    from crankbase.written_quantity import parse_quantity
     from crankfem.analyses.record import with_units
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.jobs.outputs import check_outputs, make_output_folder

@@ -8,10 +8,10 @@ from typing import Any
 
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError
-from crankbase.quantity import parse_quantity
 from crankbase.results import units as units_of
 from crankbase.sentences import capital
 from crankbase.table import Column, Main, OutputUnits, Table
+from crankbase.written_quantity import parse_quantity
 from crankfem.analyses.record import attributes
 from crankfem.cli.arguments import (
     dimensions_text,

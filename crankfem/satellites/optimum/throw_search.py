@@ -17,6 +17,7 @@ from crankbase.array_checks import Array
 from crankbase.choices import did_you_mean
 from crankbase.errors import InputError, MeshError, SolveError
 from crankbase.quantity import format_quantity, percent
+from crankbase.sentences import amount
 from crankfem.analyses.shaft.chains import (
     engine_axial_chain,
     engine_throw_inertias,
@@ -228,10 +229,10 @@ class ThrowFamily:
             (low, high), at = ends, float(nominal[name])
             around = low <= at <= high or any(same_dimension(at, end) for end in ends)
             if not low < high or low * high <= 0.0 or not around:
-                shown = " to ".join(format_quantity(end, unit) for end in ends)
+                shown = " to ".join(amount(end, unit) for end in ends)
                 raise InputError(
                     f"vary: given {name} from {shown}; allowed is a lower end, then a higher one, on "
-                    f"one side of zero and around the engine's own {format_quantity(at, unit)}, where the "
+                    f"one side of zero and around the engine's own {amount(at, unit)}, where the "
                     "search begins."
                 )
 

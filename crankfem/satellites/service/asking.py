@@ -17,7 +17,7 @@ from starlette.routing import Match
 from crankbase.choices import is_number
 from crankbase.errors import InputError, first_sentences
 from crankbase.model import InputModel, field_extra, part_kind, quantity_field
-from crankbase.quantity import parse_quantity
+from crankbase.written_quantity import parse_quantity
 from fem.material import STEEL, Material
 from fem.supports import Neighbors, Support
 from geometry.throw import CrankThrow

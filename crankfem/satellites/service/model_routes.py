@@ -17,7 +17,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.model import field_extra
-from crankbase.quantity import parse_quantity
+from crankbase.written_quantity import parse_quantity
 from crankfem.analyses.file_check import throw_shape
 from crankfem.analyses.record import Record, attributes
 from crankfem.analyses.throw.formula_records import formulas_of

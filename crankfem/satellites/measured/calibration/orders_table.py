@@ -9,8 +9,8 @@ import numpy as np
 from crankbase.errors import InputError, quoted
 from crankbase.exported_table import read_exported_table
 from crankbase.input_file import InputFile
-from crankbase.quantity import parse_quantity
 from crankbase.units import NoUnitError, OtherKindError, size_in
+from crankbase.written_quantity import parse_quantity
 from crankfem.files.sections.engine_sections import Engine
 from crankfem.jobs.outputs import write_rows
 from crankfem.satellites.measured.measured_orders import MEASURANDS, MeasuredOrders
