@@ -33,7 +33,13 @@ from crankfem.analyses.vibration.engine_load import engine_load
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.engine_file import load_engine, load_mechanism
 from crankfem.files.engine.file_kinds import SECTIONS
-from crankfem.files.engine.new_file import IN_LINE, engine_template, even_v_angle_deg
+from crankfem.files.engine.new_file import (
+    IN_LINE,
+    TEMPLATE_V_ANGLES,
+    V_ANGLES,
+    engine_template,
+    even_v_angle_deg,
+)
 from crankfem.files.engine.throw_file import load_throw_file
 from crankfem.files.engine.usual_sizes import SHARP
 from crankfem.files.reading.data_files import input_path
@@ -552,6 +558,19 @@ def test_new_files_are_read_without_warnings(tmp_path, cylinders, strokes, v_ang
 
 
 @pytest.mark.further
+def test_only_the_banks_of_the_template_may_not_be_close():
+    for angles, least in ((V_ANGLES, "more than 0"), (TEMPLATE_V_ANGLES, "45 deg")):
+        assert angles.read("180 deg") == 180.0
+        for wrong in ("0 deg", "-60 deg", "180.1 deg"):
+            with pytest.raises(
+                InputError, match=rf"--v-angle: given {wrong}; allowed is {least} to"
+            ):
+                angles.read(wrong)
+    assert V_ANGLES.read("15 deg") == close(15.0, rel=1e-12)
+    with pytest.raises(InputError, match="because closer banks of this engine meet"):
+        TEMPLATE_V_ANGLES.read("15 deg")
+
+
 @pytest.mark.parametrize(("cylinders", "strokes", "v_angle"), [(9, 4, None), (10, 2, "even")])
 def test_new_files_have_a_verdict(call, coarsely, tmp_path, cylinders, strokes, v_angle):
     path = tmp_path / "new.toml"

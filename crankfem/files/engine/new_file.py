@@ -4,6 +4,7 @@ import math
 import re
 import tomllib
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from importlib.resources import files
 from string import Template
 
@@ -43,8 +44,44 @@ IN_LINE: dict[int, dict[int, tuple[int, ...]]] = {
     )
 }
 MOST_CYLINDERS, USUAL = 20, 8
-# Smallest and largest angle between banks, and the one that is preferred [deg].
-V_ANGLES, USUAL_V_ANGLE = (45.0, 180.0), 60.0
+# The angle between banks that is preferred, and the largest of any engine [deg].
+USUAL_V_ANGLE, LARGEST_V_ANGLE = 60.0, 180.0
+
+
+@dataclass(frozen=True)
+class VAngles:
+    """Angles that two banks may have, above 0 as there are two of them.
+
+    Attributes
+    ----------
+    least : float
+        Smallest one [deg].
+    why : str
+        There are no smaller ones.
+    besides : str
+        What is allowed as well.
+    """
+
+    least: float
+    why: str
+    besides: str = ""
+
+    def __contains__(self, angle_deg: float) -> bool:
+        return angle_deg > 0.0 and self.least <= angle_deg <= LARGEST_V_ANGLE
+
+    def read(self, text: str) -> float:
+        """Return the angle that --v-angle gives [deg]."""
+        least = f"{self.least:g} deg" if self.least else "more than 0"
+        allowed = f"{least} to {LARGEST_V_ANGLE:g} deg{self.besides}"
+        angle = round(math.degrees(parse_quantity(text, "rad", "--v-angle", allowed)), 9)
+        if angle not in self:
+            raise InputError(f"--v-angle: given {text}; allowed is {allowed}, because {self.why}.")
+        return angle
+
+
+# Of the template's engine, whose bore and stroke are known, and of one of which only the crankshaft is.
+TEMPLATE_V_ANGLES = VAngles(45.0, "closer banks of this engine meet", ', or "even"')
+V_ANGLES = VAngles(0.0, "it is between two banks")
 ABOUT = """\
 # An engine file of crankfem. All values are examples of a medium-speed diesel engine, marked as assumed:
 # replace them with yours, then
@@ -118,16 +155,11 @@ def engine_template(
     )
     arranged, bank_lines, sizes = "in line", "", IN_LINE_SIZES
     if v_angle is not None:
-        if v_angle == "even":
-            angle = even_v_angle_deg(cylinders, strokes)
-        else:
-            allowed = f'"{V_ANGLES[0]:g} deg" to "{V_ANGLES[1]:g} deg", or "even"'
-            angle = round(math.degrees(parse_quantity(v_angle, "rad", "--v-angle", allowed)), 9)
-            if not V_ANGLES[0] <= angle <= V_ANGLES[1]:
-                raise InputError(
-                    f"--v-angle: given {v_angle}; allowed is {allowed}, because closer banks of this engine "
-                    "meet."
-                )
+        angle = (
+            even_v_angle_deg(cylinders, strokes)
+            if v_angle == "even"
+            else TEMPLATE_V_ANGLES.read(v_angle)
+        )
         turns = reversed(range(strokes // 2))
         choices = [np.append(fires, (fires + angle + 360.0 * turn) % cycle) for turn in turns]
         fires = min(choices, key=lambda chosen: round(np.ptp(_intervals(chosen, strokes)), 6))
@@ -219,7 +251,7 @@ def even_v_angle_deg(cylinders: int, strokes: int) -> float:
     # A turn more makes any number odd where a turn itself is an odd number of intervals.
     step = 1 if strokes == 4 and cylinders % 4 else 2
     angles = [interval * count for count in range(1, cylinders + 1, step)]
-    usable = [angle for angle in angles if V_ANGLES[0] <= angle <= V_ANGLES[1]]
+    usable = [angle for angle in angles if angle in TEMPLATE_V_ANGLES]
     return min(usable, key=lambda angle: abs(angle - USUAL_V_ANGLE), default=90.0)
 
 

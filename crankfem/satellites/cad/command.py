@@ -1,6 +1,5 @@
 """The command `cad`."""
 
-import math
 import os
 import shlex
 from collections.abc import Iterator
@@ -91,8 +90,8 @@ def cad(
     from pathlib import Path
 
     from crankbase.outputs import write_user_file
-    from crankbase.written_quantity import parse_quantity
     from crankfem.analyses.record import with_units
+    from crankfem.files.engine.new_file import V_ANGLES
     from crankfem.jobs.outputs import check_outputs, check_writable, make_output_folder
     from crankfem.satellites.cad.dimensions import dimensions_text
     from crankfem.satellites.cad.new_engine import engine_text
@@ -108,11 +107,7 @@ def cad(
         raise InputError(
             f"--v-angle: given {v_angle} without --engine; allowed only with it, whose cylinders it arranges."
         )
-    banks = None if v_angle is None else math.degrees(parse_quantity(v_angle, "rad", "--v-angle"))
-    if banks is not None and not 0.0 < banks <= 180.0:
-        raise InputError(
-            f"--v-angle: given {v_angle}; allowed is more than 0 to 180 deg, because it is between two banks."
-        )
+    banks = None if v_angle is None else V_ANGLES.read(v_angle)
     check_outputs(None, None, Path(file))
     written = None if engine is None else Path(engine)
     if written is not None:
