@@ -392,27 +392,41 @@ def _too_far(parameters: Array, problem: Problem) -> bool:
     return bool(np.max(np.abs(parameters[: problem.groups])) > FARTHEST)
 
 
+class _LastValues:
+    """Residuals and their slopes, kept where they were last asked for: least squares ask for each alone."""
+
+    def __init__(self, calculate: Callable[[Array], tuple[Array, Array]]) -> None:
+        self._calculate = calculate
+        self._at: Array | None = None
+        self.last: tuple[Array, Array] = np.zeros(0), np.zeros((0, 0))
+
+    def __call__(self, parameters: Array) -> tuple[Array, Array]:
+        if self._at is None or not np.array_equal(parameters, self._at):
+            self.last = self._calculate(parameters)
+            self._at = parameters.copy()
+        return self.last
+
+
 class Rows:
     """All residuals without the wheels' constants, in effective deviations; the prior's come last."""
 
     def __init__(self, problem: Problem, weights: Sequence[Array] | None = None) -> None:
         self._problem, self._weights = problem, weights
-        self._at: Array | None = None
-        self._made: tuple[Array, Array] = np.zeros(0), np.zeros((0, 0))
+        self._all = _LastValues(self._calculated)
 
     def residuals(self, parameters: Array) -> Array:
         """Return the residuals; infinite ones too far from the prior, if there are any nearer."""
         if _too_far(parameters, self._problem):
-            return np.full_like(self._made[0], np.inf)  # least_squares then takes a shorter step
+            return np.full_like(
+                self._all.last[0], np.inf
+            )  # least_squares then takes a shorter step
         return self._all(parameters)[0]
 
     def jacobian(self, parameters: Array) -> Array:
         """Return their slopes."""
         return self._all(parameters)[1]
 
-    def _all(self, parameters: Array) -> tuple[Array, Array]:
-        if self._at is not None and np.array_equal(parameters, self._at):
-            return self._made
+    def _calculated(self, parameters: Array) -> tuple[Array, Array]:
         problem = self._problem
         residuals, slopes = [], []
         for number, each in enumerate(problem.observations):
@@ -426,9 +440,7 @@ class Rows:
             slopes.append((scale[..., np.newaxis] * rates).reshape(-1, problem.size))
         prior = np.eye(problem.groups, problem.size)
         residuals.append(parameters[: problem.groups])
-        self._at = parameters.copy()
-        self._made = np.concatenate(residuals), np.vstack((*slopes, prior))
-        return self._made
+        return np.concatenate(residuals), np.vstack((*slopes, prior))
 
 
 class _WithConstants:
@@ -454,8 +466,7 @@ class _WithConstants:
         scale = np.sqrt(np.sum(self._constants**2, axis=0))
         self._constants /= np.where(scale > 0.0, scale, 1.0)
         self._shares = np.concatenate(shares)
-        self._at: Array | None = None
-        self._made: tuple[Array, Array] = np.zeros(0), np.zeros((0, 0))
+        self._data = _LastValues(self._calculated)
 
     def start(self, parameters: Array) -> Array:
         """Return parameters with the constants that fit best beside them."""
@@ -486,16 +497,13 @@ class _WithConstants:
         made[:, : data.size] = self._shares * soft
         return made
 
-    def _data(self, parameters: Array) -> tuple[Array, Array]:
-        if self._at is None or not np.array_equal(parameters, self._at):
-            problem = self._problem
-            each = [problem.compared(parameters, k) for k in range(len(problem.observations))]
-            self._at = parameters.copy()
-            self._made = (
-                np.concatenate([one.residuals.ravel() for one in each]),
-                np.vstack([one.slopes.reshape(-1, problem.size) for one in each]),
-            )
-        return self._made
+    def _calculated(self, parameters: Array) -> tuple[Array, Array]:
+        problem = self._problem
+        compared = [problem.compared(parameters, k) for k in range(len(problem.observations))]
+        return (
+            np.concatenate([each.residuals.ravel() for each in compared]),
+            np.vstack([each.slopes.reshape(-1, problem.size) for each in compared]),
+        )
 
 
 def _judged(problem: Problem, parameters: Array, robust: bool, starts: tuple[float, ...]) -> Fit:
