@@ -468,7 +468,7 @@ class Main(str):
     __slots__ = ("first",)
     first: str
 
-    def __new__(cls, *sentences: str) -> "Main":
+    def __new__(cls, *sentences: str) -> Self:
         """Join sentences to a paragraph."""
         made = super().__new__(cls, " ".join(sentences))
         made.first = sentences[0]
@@ -476,8 +476,23 @@ class Main(str):
 
     @property
     def lead(self) -> "Main":
-        """The first sentence; all of a warning."""
-        return self if self.startswith("Warning") else Main(self.first)
+        """The first sentence."""
+        return Main(self.first)
+
+
+class MainWarning(Main):
+    """A warning among the main results, which is never shortened."""
+
+    __slots__ = ()
+
+    def __new__(cls, warning: str) -> Self:
+        """Write a warning."""
+        return super().__new__(cls, f"Warning: {warning}")
+
+    @property
+    def lead(self) -> Main:
+        """All of it."""
+        return self
 
 
 def _cell(record: Any, cell: str | Callable[[Any], Cell]) -> Cell:

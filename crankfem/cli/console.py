@@ -17,7 +17,7 @@ from rich.text import Text
 
 from crankbase.errors import InputError, first_sentences, visible, with_short_quotes
 from crankbase.sentences import kept
-from crankbase.table import SI, Main, OutputUnits, Table
+from crankbase.table import SI, Main, MainWarning, OutputUnits, Table
 from crankbase.written_quantity import split_quantity
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.cli.layout import Line, legend, short_ways, table_lines, wrapped
@@ -192,11 +192,7 @@ def _first_screen(
             kept = max(FEWEST_ROWS, _rows(longest) - 1 - excess // 4)
             main[main.index(longest)] = longest.heaviest(kept)
         else:
-            places = [
-                place
-                for place, part in enumerate(main)
-                if not (isinstance(part, str) and part.startswith("Warning"))
-            ]
+            places = [place for place, part in enumerate(main) if not isinstance(part, MainWarning)]
             del main[places[-1] if places else -1]
 
 

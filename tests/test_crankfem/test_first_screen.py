@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from crankbase.table import SI, Column, Main, Table
+from crankbase.table import SI, Column, Main, MainWarning, Table
 from crankfem.cli import console
 from crankfem.cli.layout import short_places, table_lines
 from satellite_cases import of_satellites
@@ -80,7 +80,7 @@ def printed(monkeypatch, capsys, width, parts, answers, full):
 def test_the_first_screen_has_main_parts_within_its_lines_and_the_answer_last(monkeypatch, capsys):
     table = Table("Loads", [Column("at"), Column("load", "kN")], [[n, 1e3 * n] for n in range(70)])
     heavy = replace(table, main=True, weights=[n % 9 for n in range(70)])
-    warnings = [Main(f"Warning: field {n} looks wrong.", "It is large.") for n in range(5)]
+    warnings = [MainWarning(f"field {n} looks wrong. It is large.") for n in range(5)]
     findings = [Main(f"Finding {n}.", "Its reasons are long and many.") for n in range(30)]
     parts = ["a remark", table, heavy, *warnings, *findings]
     for width in (80, 60):

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from crankbase.quantity import format_quantity
 from crankbase.results import InItsUnit, Quantity, Result, result
-from crankbase.table import Column, Main, Table
+from crankbase.table import Column, Main, MainWarning, Table
 from crankfem.analyses.study.response_fits import ResponseFits
 from regression.fits.fit import Fit
 from regression.models.response_query import FEWEST
@@ -66,7 +66,7 @@ def fit_parts(fit: Fit) -> Parts:
         if terms:
             yield f"{title}: {', '.join(terms)}."
     for line in fit.warnings:
-        yield Main(f"Warning: {line}")
+        yield MainWarning(line)
 
 
 def response_parts(fits: ResponseFits, name: str, form: str | None = None) -> Parts:

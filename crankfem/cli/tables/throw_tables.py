@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from crankbase.sentences import kept
-from crankbase.table import SI, Cell, Column, Main, OutputUnit, OutputUnits, Table
+from crankbase.table import SI, Cell, Column, Main, MainWarning, OutputUnit, OutputUnits, Table
 from crankfem.analyses.record import Record
 from crankfem.cli.arguments import angle_text
 from crankfem.files.satellites import satellite_files
@@ -302,7 +302,7 @@ FILE_KINDS = {
 def check_parts(record: Record, units: OutputUnits = SI) -> Iterator[Table | str]:
     """Return how a file is understood."""
     for warning in record["warnings"]:
-        yield Main(units.written(f"Warning: {kept(warning).rstrip('.')}."))
+        yield MainWarning(units.written(f"{kept(warning).rstrip('.')}."))
     yield f"Sections: {', '.join(record['sections'])}."
     if record["arrangement"] is not None:
         yield from _arrangement_parts(record["engine"], record["arrangement"], units)
