@@ -143,6 +143,7 @@ CUT = ((-1.0, 0.22, -0.36), (-1.0, 0.22, 0.36), (-1.0, -0.3, -0.36), (-1.0, -0.3
 OTHER_SIDE = ((1.0, 0.45, 0.6), (1.0, -0.5, 0.6), (1.0, -0.5, -0.6))
 PIXELS = 900  # along the longer side of each view
 VIEWS_HEIGHT, DOTS = 6.0, 110  # of the sheet [inch, 1/inch]
+COMPRESSION = 4  # half of the time of the usual 6, for 7 % more bytes
 # A curved facet is drawn as four to this power flat ones; where there are many, the smaller number does.
 SUBDIVISIONS, MANY = (2, 1), 4_000
 SYMBOLS = ("o", "s")  # of the first mark and the second
@@ -292,8 +293,14 @@ def _compose(
 
         left = side
         for view, (across, high) in zip(views, spans, strict=True):
-            axes = axes_at(left, bottom + 0.5 * (VIEWS_HEIGHT - high), across, high)
-            axes.imshow(view.pixels, interpolation="hanning", aspect="auto")
+            low = bottom + 0.5 * (VIEWS_HEIGHT - high)
+            # Made smaller here: faster than matplotlib does it.
+            size = round(DOTS * across), round(DOTS * high)
+            smaller = Image.fromarray(view.pixels).resize(size, Image.Resampling.HAMMING)
+            x, y = round(DOTS * left), round(DOTS * low)
+            figure.figimage(np.asarray(smaller), x, y, origin="upper", zorder=-1)
+            axes = axes_at(left, low, across, high)
+            axes.set(xlim=(0, view.pixels.shape[1]), ylim=(view.pixels.shape[0], 0))
             axes.set_axis_off()
             write(view.name, left + 0.5 * across, 0.28, ha="center", color=QUIET)
             for mark, symbol in zip(view.marks, SYMBOLS, strict=False):
@@ -319,4 +326,4 @@ def _compose(
         title, remark = texts
         write(title, side, height - 0.36, fontsize=14, fontweight="bold", color=TEXT_COLOR)
         write(remark, side, height - 0.70, color=TEXT_COLOR, linespacing=1.5)
-        figure.savefig(path)
+        figure.savefig(path, pil_kwargs={"compress_level": COMPRESSION})
