@@ -36,7 +36,7 @@ from crankbase.summaries import frozen, summarized
 from fem.correction import StressRecovery, stresses_at
 from fem.material import Material
 from fem.solver import SharedSolver, assemble_stiffness
-from fem.superelement import RX, RY, CondensedClass, EndSections, condense
+from fem.superelement import RX, RY, CondensedClass, EndSections, condense, hold_ends
 from fem.supports import STRETCH, TWIST, unit_response
 from fem.symmetry import (
     MirrorImage,
@@ -520,6 +520,8 @@ class LoadedThrow:
             element, corner = np.nonzero(
                 np.isin(mesh.elements[:, :4], np.flatnonzero(numbers == node))
             )
+            if not element.size:
+                continue
             stress = stresses_at(
                 image.points(mesh.points),
                 mesh.elements[element],
@@ -559,10 +561,11 @@ def solve_unit_loads(
     """
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
     pins = unit_pin_loads(mesh)
+    held = hold_ends(mesh, stiffness, 0) if end_sections == "rigid" else None
     shared = SharedSolver(solver)
     try:
         parts = [
-            condense(mesh, stiffness, pins, symmetry, shared, end_sections)
+            condense(mesh, stiffness, pins, symmetry, shared, end_sections, held)
             for symmetry in symmetry_classes(mesh.part)
             if any(_excites(load, symmetry) for load in loads)
         ]
