@@ -13,11 +13,11 @@ from crankbase.sentences import amount
 from crankbase.written_quantity import parse_quantity
 from crankfem.cli import console
 from fem.material import STEEL, Material
-from geometry.any_throw import Throw, with_dimensions
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
     from crankfem.files.reading.toml_file import TomlFile
+    from geometry.any_throw import Throw
     from regression.models.compliance_model import ComplianceModel
     from regression.models.family import Family
 
@@ -82,7 +82,7 @@ def parse_speed(text: str | None) -> float | None:
 
 def select_throw(
     engine: "str | TomlFile", name: str | None = None, quiet: bool = False, *, alone: bool = True
-) -> tuple[Throw, Material]:
+) -> "tuple[Throw, Material]":
     """Select the throw of a name; by default that at the free end, with a note if there are others.
 
     Parameters
@@ -215,6 +215,8 @@ def law_throw(
     if engine is None:
         return CrankThrow(**dimensions), STEEL
     throw, material = select_throw(engine, quiet=quiet)
+    from geometry.any_throw import with_dimensions  # here: most throws are given by dimensions
+
     return with_dimensions(throw).changed(**dimensions), material
 
 
