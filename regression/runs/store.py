@@ -863,7 +863,8 @@ class ResultStore:
         """Return the rows from elsewhere of a study, or of all, in the order of import."""
         with self._reading():
             rows = self._connection.execute(
-                "SELECT * FROM extra_rows WHERE ?1 IS NULL OR study = ?1 ORDER BY rowid", (study,)
+                "SELECT * FROM extra_rows WHERE :study IS NULL OR study = :study ORDER BY rowid",
+                {"study": study},
             ).fetchall()
         read = (
             self._read_or_skip(f"row {place} from elsewhere", read_extra, dict(row))
