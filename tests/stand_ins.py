@@ -2,7 +2,9 @@
 
 import importlib
 import json
+import os
 import sys
+import time
 from functools import cache
 from pathlib import Path
 
@@ -73,6 +75,11 @@ def lighten(monkeypatch):
     put_everywhere(monkeypatch, dynamic_superelement, condensed_once)
     for kind in offscreen.OffscreenProcess.__subclasses__():
         put_everywhere(monkeypatch, kind, NotRendered)
+    stress_coarsely(monkeypatch)
+
+
+def stress_coarsely(monkeypatch):
+    """Let stresses be calculated on meshes as coarse as can be."""
     for name, value in COARSE_STRESSES.items():
         monkeypatch.setattr(fillet_stress, name, value)
 
@@ -107,6 +114,27 @@ def analyze_coarsely(monkeypatch):
 def draw_nothing(monkeypatch):
     """Leave diagrams empty where nothing depends on what they show."""
     monkeypatch.setattr(Figure, "savefig", save_nothing)
+
+
+def made_once(tmp_path_factory, name, make):
+    """Return a folder that one of the processes that share the tests fills, while the others wait."""
+    root = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        root = root.parent
+    folder, done = root / name, root / f"{name}-done"
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        deadline = time.monotonic() + 600.0
+        while not done.exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        return folder
+    try:
+        make(folder)
+    finally:
+        done.touch()
+    return folder
 
 
 def stored_results():

@@ -7,13 +7,13 @@ import json
 import re
 import shutil
 import subprocess
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from plotly.offline import get_plotlyjs
 
+from browser.conftest import LONGEST_DRAWING
 from comparing import close
 from crankfem.analyses.throw.formula_records import formulas_over_angle
 from crankfem.files.engine.new_file import engine_template
@@ -21,30 +21,14 @@ from crankfem.jobs.pipeline import run_engine
 from crankfem.report.interactive.mechanism import polar_load
 from crankfem.report.interactive.style import diagram_figure
 from dynamics.engine.forces import LoadDiagram
+from stand_ins import stress_coarsely
 
 pytestmark = pytest.mark.further
 MEGABYTE = 1e6
-# Plots that are not there, or not yet complete.
-NOT_DRAWN = "div.interactive[hidden], div.interactive.waiting"
-# Seconds for all plots of a report, without a graphics card and on a busy machine.
-LONGEST_DRAWING = 120.0
 # Levels of axe, from the worst.
 SERIOUS = ("critical", "serious")
 # The first screen of an ordinary one, in pixels, and a page of A4 within its margins.
 SCREEN, PAPER = (1280, 800), 680
-
-
-def scroll_through(page):
-    """Unfold the page and let every part come into sight until all plots are drawn, or for too long."""
-    page.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true; })")
-    deadline = time.monotonic() + LONGEST_DRAWING
-    while True:
-        for place in range(0, page.evaluate("document.documentElement.scrollHeight"), 500):
-            page.evaluate(f"window.scrollTo(0, {place})")
-            page.wait_for_timeout(50)
-        if page.locator(NOT_DRAWN).count() == 0 or time.monotonic() > deadline:
-            break
-    page.evaluate("window.scrollTo(0, 0)")
 
 
 def eye(page):
@@ -124,10 +108,9 @@ def test_the_report_is_valid_html(report):
 
 
 @pytest.mark.parametrize("width", [1200, 400])
-def test_the_report_is_accessible(report, open_page, width):
+def test_the_report_is_accessible(report, drawn_page, width):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
-    page = open_page(report, width)
-    scroll_through(page)
+    page = drawn_page(report, width)
     told = [
         f"{v['impact']}: {v['help']}: {v['nodes'][0]['html'][:200]}"
         for v in axe.Axe().run(page).response["violations"]
@@ -136,9 +119,8 @@ def test_the_report_is_accessible(report, open_page, width):
     assert told == []
 
 
-def test_the_report_asks_for_nothing_and_complains_of_nothing(report, open_page):
-    page = open_page(report)
-    scroll_through(page)
+def test_the_report_asks_for_nothing_and_complains_of_nothing(report, drawn_page):
+    page = drawn_page(report, 1200)
     assert [url for url in page.asked if not url.startswith(("file:", "data:", "blob:"))] == []
     assert page.complaints == []
 
@@ -149,10 +131,9 @@ def test_the_report_fits_the_page_at_any_width(report, open_page):
 
 
 @pytest.mark.parametrize("width", [1200, 400])
-def test_every_interactive_plot_is_drawn_in_place_of_its_picture(report, open_page, width):
-    page = open_page(report, width)
+def test_every_interactive_plot_is_drawn_in_place_of_its_picture(report, drawn_page, width):
+    page = drawn_page(report, width)
     assert page.locator("div.interactive").count() >= 10
-    scroll_through(page)
     # Plots without axes are drawn on a canvas, below a picture with what is written.
     drawn = page.locator("div.interactive").evaluate_all(
         """holders => holders.map(holder => [
@@ -167,9 +148,8 @@ def test_every_interactive_plot_is_drawn_in_place_of_its_picture(report, open_pa
 
 
 @pytest.mark.parametrize("width", [1400, 1200, 900, 400])
-def test_legends_show_every_curve_that_is_drawn(report, open_page, width):
-    page = open_page(report, width)
-    scroll_through(page)
+def test_legends_show_every_curve_that_is_drawn(report, drawn_page, width):
+    page = drawn_page(report, width)
     # What is switched off is pale and may wait below.
     cut = page.locator("div.interactive .legend").evaluate_all(
         """legends => legends.flatMap(legend => {
@@ -286,12 +266,15 @@ def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
 
 
 @pytest.mark.parametrize("engine", ["7l32-40-set", "v12"])
-def test_reports_of_other_engines_fit_are_accessible_and_print(engine, open_page, tmp_path):
+def test_reports_of_other_engines_fit_are_accessible_and_print(
+    engine, open_page, drawn_page, tmp_path, monkeypatch
+):
     if engine == "v12":
         (tmp_path / "v12.toml").write_text(engine_template("v12.toml", 12, 4, "60 deg"))
         engine = tmp_path / "v12.toml"
+    stress_coarsely(monkeypatch)  # what is told of the mesh is not looked at
     report = run_engine(engine, tmp_path / "results").report
     test_the_report_is_one_file_of_ordinary_size(report)
     test_on_a_telephone_everything_is_read_without_moving_sideways(report, open_page)
-    test_the_report_is_accessible(report, open_page, 400)
+    test_the_report_is_accessible(report, drawn_page, 400)
     test_on_paper_the_static_pictures_stand(report, open_page, tmp_path)

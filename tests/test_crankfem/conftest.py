@@ -3,7 +3,6 @@ import os
 import re
 import subprocess
 import sys
-import time
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -28,7 +27,7 @@ from regression.plans.plan import MODEL_VERSION, plan_designs
 from regression.records import Outcome
 from regression.runs.store import ResultStore
 from regression.runs.study import run_plan
-from stand_ins import analyze_coarsely, draw_nothing, lighten
+from stand_ins import analyze_coarsely, draw_nothing, lighten, made_once
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
@@ -269,27 +268,6 @@ class Run:
     folder: Path
     answer: Answer
     results: dict
-
-
-def made_once(tmp_path_factory, name, make):
-    """Return a folder that one of the processes that share the tests fills, while the others wait."""
-    root = tmp_path_factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        root = root.parent
-    folder, done = root / name, root / f"{name}-done"
-    try:
-        folder.mkdir()
-    except FileExistsError:
-        deadline = time.monotonic() + 600.0
-        while not done.exists():
-            assert time.monotonic() < deadline
-            time.sleep(0.1)
-        return folder
-    try:
-        make(folder)
-    finally:
-        done.touch()
-    return folder
 
 
 @pytest.fixture(scope="session")

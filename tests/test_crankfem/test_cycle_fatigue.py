@@ -23,7 +23,7 @@ from dynamics.strength.fatigue import critical_plane, findley_factor, findley_li
 from fem import fillet_stress
 from fem.fields import stress_fields
 from fem.superelement import assemble_shaft, shaft_unknowns
-from stand_ins import COARSE_STRESSES
+from stand_ins import stress_coarsely
 
 STEEL = {"tensile_strength": 8e8, "manufacture": "continuous grain flow", "piston": "trunk"}
 FORCES, MOMENTS = [0, 1, 2], [3, 4, 5]
@@ -38,8 +38,7 @@ def vibration(coupled_vibration):
 @pytest.fixture(scope="module")
 def stresses(vibration):
     with pytest.MonkeyPatch.context() as patched:
-        for name, value in COARSE_STRESSES.items():
-            patched.setattr(fillet_stress, name, value)
+        stress_coarsely(patched)
         file = vibration.engine_file
         return {"throw": fillet_stress.fillet_stresses(file.throw, file.material, 0.2)}
 

@@ -18,7 +18,7 @@ from crankfem.analyses.strength.engine_strength import (
 )
 from dynamics.strength.concentration import ElementFactors, unsafe_formulas
 from fem import fillet_stress
-from stand_ins import COARSE_STRESSES
+from stand_ins import stress_coarsely
 
 GIVEN = {
     "tensile_strength": 8e8,
@@ -55,8 +55,7 @@ def stresses(file):
     """Coarse, of the throw with an oil hole across the pin at 30 degrees."""
     hole = cf.throws.OilHole(part="pin", diameter=0.018, angle=math.radians(30.0))
     with pytest.MonkeyPatch.context() as patched:
-        for name, value in COARSE_STRESSES.items():
-            patched.setattr(fillet_stress, name, value)
+        stress_coarsely(patched)
         return fillet_stress.fillet_stresses(file.throw.changed(oil_holes=(hole,)), accuracy=0.2)
 
 

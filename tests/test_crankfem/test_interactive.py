@@ -56,7 +56,6 @@ from dynamics.plots.curves import quantity_display
 from dynamics.plots.load_diagrams import developed_load
 from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.series import OrderSeries
-from fem import fillet_stress
 from fem.analysis import analyze_throw
 from fem.fillet_stress import fillet_stresses
 from geometry.throw import CrankThrow
@@ -65,7 +64,7 @@ from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import Outcome
 from regression.runs.study_table import study_table
-from stand_ins import COARSE_STRESSES
+from stand_ins import stress_coarsely
 
 FIVE_DIGITS = 5e-5
 RPM = 30.0 / math.pi
@@ -590,8 +589,7 @@ def analysis(throw):
 def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
     import plotly.graph_objects
 
-    for name, value in COARSE_STRESSES.items():
-        monkeypatch.setattr(fillet_stress, name, value)
+    stress_coarsely(monkeypatch)
     stresses = fillet_stresses(throw, accuracy=0.2)
     path = throw_view(tmp_path, analysis, stresses)
     assert path.name == "throw_view.json"

@@ -37,7 +37,7 @@ from geometry.solid import LEFT_END, RIGHT_END
 from geometry.solid_files import write_step
 from geometry.throw import CrankThrow
 from refusals import refusals, refused
-from stand_ins import COARSE_STRESSES
+from stand_ins import stress_coarsely
 
 pytestmark = pytest.mark.slow
 
@@ -279,8 +279,7 @@ def test_nominal_stresses_of_several_pins(dimensions):
 @pytest.fixture
 def coarsely(monkeypatch):
     """Meshes as coarse as can be, for what does not depend on accuracy."""
-    for name, value in COARSE_STRESSES.items():
-        monkeypatch.setattr(fillet_stress, name, value)
+    stress_coarsely(monkeypatch)
 
 
 def test_result_of_a_run(coarsely, dimensions):
@@ -573,8 +572,7 @@ def test_parts_are_those_that_the_solid_was_made_of(cad_throw, part):
 
 
 def test_corners_of_a_part_without_a_fillet_are_named(dimensions, tmp_path, monkeypatch):
-    for name, value in COARSE_STRESSES.items():
-        monkeypatch.setattr(fillet_stress, name, value)
+    stress_coarsely(monkeypatch)
     half = CrankThrow(**dimensions | {"pin_fillet_radius": 0.0})
     found = fillet_stresses(import_throw(write_step(half, tmp_path / "half.step")), accuracy=0.2)
     assert found.sharp_corners == ("pin, left web", "pin, right web")
