@@ -42,8 +42,9 @@ LEAST_PEAK = 0.05
 LEAST_PART = 0.05
 # Where springs vary, each order is calculated at so many times the response's speeds.
 VARYING = 8
-# Steps of the golden section: a bracket becomes a millionth of what it was.
-SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
+# Shares of a bracket that are tried at once, and rounds, each of which leaves a quarter of it. Then a peak is
+# a parabola to a millionth of the bracket, and still rises well above round-off.
+TRIED, ROUNDS = np.arange(1, 8) / 8.0, 3
 
 
 # There may be no such speed, frequency or share: NaN.
@@ -239,7 +240,7 @@ def damped_criticals(
     which is one near a resonance. Maxima of several places within a half bandwidth (`NEARLY` at most) are
     one critical speed. It is told of one place: among those where it is at least `LARGE` as large a share
     of the place's largest one as anywhere, one of `first`, then of the loads, the one with the largest
-    value. There a golden section finds the speed to a millionth of the distance of the calculated ones.
+    value. There a search finds the speed to a millionth of the distance of the calculated ones.
 
     A maximum belongs to the mode that bends the curve down most: with the part y_k = r_k / (i w - s_k) of
     each mode, -y_k'' / 2 = y_k / (i w - s_k)^2, taken in phase with the amplitude. A large mode far from
@@ -631,10 +632,12 @@ class _Vibration:
             stands &= ~ripple | np.all(ripple | ~stands)
             main.append(group[np.argmax(np.where(stands, rank[group], -1.0))])
         chosen = maxima.chosen(np.array(main))
-        twice = np.tile(chosen.orders, 2), np.tile(chosen.places, 2)
-        speeds = _golden_section(
-            lambda some: self._amplitudes(*twice, some), chosen.low, chosen.high
-        )
+
+        def amplitudes(speeds: Array) -> Array:
+            orders, places = (np.tile(each, len(speeds)) for each in (chosen.orders, chosen.places))
+            return self._amplitudes(orders, places, speeds.ravel()).reshape(speeds.shape)
+
+        speeds = _highest(amplitudes, chosen.low, chosen.high)
         there = self.made(chosen, speeds)
         near = maxima.speeds.copy()
         near[main] = speeds
@@ -702,14 +705,19 @@ class _Made(NamedTuple):
         return _Made._make(column[which] for column in self)
 
 
-def _golden_section(at: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Return the maximum of functions, of (2 m,) places, within brackets (m,), each with one maximum."""
-    for _ in range(STEPS):
-        span = SECTION * (high - low)
-        left, right = np.split(at(np.concatenate((high - span, low + span))), 2)
-        falling = left > right
-        low, high = np.where(falling, low, high - span), np.where(falling, low + span, high)
-    return np.asarray(0.5 * (low + high))
+def _highest(at: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Return where functions, of places (t, m), are highest within brackets (m,), each with one maximum."""
+    first, last = low, high
+    for _ in range(ROUNDS):
+        tried = low + (high - low) * TRIED[:, np.newaxis]
+        top = np.take_along_axis(tried, np.argmax(at(tried), axis=0)[np.newaxis], axis=0)[0]
+        step = TRIED[0] * (high - low)
+        low, high = top - step, top + step
+    # The vertex of the parabola through the last three; without bounds there is none.
+    left, middle, right = np.nan_to_num(at(np.stack((low, top, high))), posinf=0.0)
+    bend = 2.0 * middle - left - right
+    move = np.divide(right - left, 2.0 * bend, out=np.zeros(top.size), where=bend > 0.0)
+    return np.asarray(np.clip(top + np.clip(move, -1.0, 1.0) * step, first, last))
 
 
 def _critical(known: ComplexModes, order: float, number: int, **peak: Any) -> DampedCritical:

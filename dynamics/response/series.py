@@ -270,7 +270,7 @@ def _extremes(multiples: Integers, phasors: ComplexArray, samples: Array) -> tup
     step = 2.0 * np.pi / size
     start = step * column
     angle = start.copy()
-    waves = sign * phasors[:, row]
+    waves = sign * np.take(phasors, row, axis=1)
     # Value, slope and bend of a sum are the real, imaginary and real part of its moments.
     powers = multiples.astype(np.complex128) ** np.arange(3)[:, np.newaxis]
     rises = np.unique(np.diff(multiples, prepend=0), return_inverse=True)

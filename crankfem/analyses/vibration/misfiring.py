@@ -442,6 +442,11 @@ class Superposition:
             change = self.series(file, *self.chains.answers(missing, propeller=False))
             yield case, {key: _sum(normal[key], missed) for key, missed in change.items()}
 
+    def of(self, speeds: Array, case: Cylinders) -> Series:
+        """Return the series in one case, of the forces together."""
+        answers = self.chains.answers(self.forces(speeds, case))
+        return self.series(self.chains.engine_file, *answers)
+
     def forces(self, speeds: Array, case: Cylinders) -> CylinderForces:
         """Return the forces of all cylinders at speeds [rad/s] in a case."""
         firing = forces_over_speeds(self.chains.engine_file, self.firing, speeds)
@@ -670,7 +675,7 @@ def _refine(added: Superposition, speeds: Array, each: Found) -> None:
             best: Mapping[str, Reached] = best,
             limits: Mapping[str, VibrationLimit | None] = limits,
         ) -> Array:
-            ((_, case_series),) = added.at(some, [case])
+            case_series = added.of(some, case)
             rows = []
             for key, reached in best.items():
                 amplitudes = at_place(case_series[key], reached.place).synthesis.amplitude[:, 0]
@@ -682,7 +687,7 @@ def _refine(added: Superposition, speeds: Array, each: Found) -> None:
         tops = np.searchsorted(speeds, [reached.speed for reached in best.values()])
         near = np.unique(np.clip([tops - 1, tops, tops + 1], 0, speeds.size - 1))
         closer = np.union1d(refined_maxima(used, speeds[near]), speeds[tops])
-        ((_, case_series),) = added.at(closer, [case])
+        case_series = added.of(closer, case)
         for key, limit in limits.items():
             each[key][case] = worst_of(case_series[key], limit)
 
