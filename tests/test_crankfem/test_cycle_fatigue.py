@@ -16,7 +16,12 @@ from crankfem.analyses.strength.cycle_fatigue import (
     fatigue_or_reason,
     fatigue_table,
 )
-from crankfem.analyses.strength.cycle_loads import ShaftUnderForces, cycle_loads, judged_speeds
+from crankfem.analyses.strength.cycle_loads import (
+    ShaftUnderForces,
+    cycle_loads,
+    judged_speeds,
+    superposition,
+)
 from crankfem.analyses.vibration.misfiring import Superposition
 from dynamics.response.order_excitation import at_angles
 from dynamics.strength.fatigue import critical_plane, findley_factor, findley_limit
@@ -135,6 +140,16 @@ def test_unbounded_vibration_is_refused(vibration):
 def test_misfiring_lessens_the_forces_of_its_cylinder_alone(loads):
     change = np.abs(loads[4,].pins[..., :2] - loads[()].pins[..., :2]).max(axis=(1, 2, 3))
     assert np.all(np.delete(change, 3) < 1e-6 * change[3])
+
+
+@pytest.mark.slow
+def test_the_answer_to_all_forces_is_the_sum_of_normal_firing_and_what_is_missing(vibration):
+    speeds = vibration.forced_torsional.response.speeds[::40]
+    added = superposition(vibration)
+    for case, expected in added.at(speeds, [(), (4,), (1, 4)]):
+        for key, series in added.of(speeds, case).items():
+            scale = np.max(np.abs(expected[key].values))
+            assert series.values == close(expected[key].values, abs=1e-12 * scale)
 
 
 @pytest.mark.further

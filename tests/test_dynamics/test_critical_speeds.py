@@ -15,7 +15,7 @@ from dynamics.chains.chain import Chain, Gear
 from dynamics.chains.dampers import RubberDamper, ViscousDamper
 from dynamics.critical import critical_speeds, vector_sums
 from dynamics.response.complex_modes import complex_modes
-from dynamics.response.damped_criticals import LEAST_PEAK, NEARLY, damped_criticals
+from dynamics.response.damped_criticals import LEAST_PEAK, NEARLY, _highest, damped_criticals
 from dynamics.response.forced import forced_response
 from dynamics.response.harmonic import damped_modes
 from dynamics.response.linear_system import chain_system, damped
@@ -372,6 +372,33 @@ def case(seed):
             for place, name in enumerate(names):
                 found[order, name] = np.abs(values[:, place])
     return run, found
+
+
+@pytest.mark.parametrize(
+    ("curve", "within"),
+    [
+        (
+            lambda x: 1.0 / np.abs(1.0 - x**2 + 0.02j * x),
+            2e-7,
+        ),  # of a resonance, over an eighth of its band
+        (
+            lambda x: 1.0 + 1e-6 * np.cos(400.0 * (x - math.sqrt(0.9998))),
+            1e-6,
+        ),  # flat: round-off counts
+        (lambda x: -np.abs(x - math.sqrt(0.9998)), 1.0 / 250.0),  # no parabola
+        (lambda x: x, 1.0 / 100.0),
+    ],
+    ids=["resonance", "flat", "kink", "edge"],
+)
+def test_a_peak_is_found_within_a_share_of_its_bracket(curve, within):
+    low, high = np.array([0.9989, 0.9987]), np.array([1.0014, 1.0012])
+    top = high if curve(2.0) == 2.0 else math.sqrt(0.9998)
+    assert np.all(np.abs(_highest(curve, low, high) - top) <= within * (high - low))
+
+
+def test_a_peak_without_bounds_stays_where_it_is():
+    place = np.array([3.0])
+    assert _highest(lambda x: np.full(x.shape, np.inf), place, place) == close(place)
 
 
 def tops(values, least=1e-5):
