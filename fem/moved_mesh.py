@@ -2,8 +2,9 @@
 
 The nodes move with the dimensions, along velocities that are found once, and from there by Newton's
 method onto the surfaces and the seams of the throw. Where elements suffer, corners are placed anew as in
-an elastic body whose small elements are stiff. Throws of another topology, and meshes that come out worse
-than the reference by much, are refused. Answers on meshes of one reference vary as smoothly over the
+an elastic body whose small elements are stiff, and those round elements that are still flat or inside out
+slide to where these are rounder. Throws of another topology, and meshes that come out worse than the
+reference by much, are refused. Answers on meshes of one reference vary as smoothly over the
 dimensions as the throws do.
 """
 
@@ -44,6 +45,7 @@ from geometry.shapes import (
 from geometry.sizes import SHARES
 from geometry.throw import CrankThrow
 from geometry.topology import topology
+from geometry.untangling import untangle
 
 # Ways to move a mesh, the quickest first.
 VELOCITIES, ELASTIC = "velocities", "elastic"
@@ -58,15 +60,18 @@ PARALLEL = 2e-3
 # For gradients of levels, in lengths of the throw: short beside the smallest fillet.
 SHIFT = 1e-7
 # Accepted meshes: mean ratio of the flattest element, or half of the reference's if that is less; elements
-# that may have straightened edges beside those of the reference.
-LEAST_QUALITY, MOST_STRAIGHTENED = 0.15, 3
+# that may have straightened edges beside those of the reference, as a share: gmsh's meshes have as many.
+LEAST_QUALITY, MOST_STRAIGHTENED = 0.15, 0.01
+# Elements up to so many times the least quality are made rounder, together with so many rings of others round
+# them, so often.
+ROUNDER, RINGS, ROUNDS = 1.5, 2, 4
 # Stiffness that holds corners on the surface, in median entries of the diagonal.
 HELD = 1e6
 
 
 # Size factors of the reference's mesh, in those of the first mesh of an analysis to 1 %: the first with all
 # mean ratios above this and few elements whose smallest Jacobian is below that, or the best.
-COARSER, LEAST_REGULAR, LEAST_CURVED = (2.0, 1.5, 1.0), 0.15, 0.2
+COARSER, LEAST_REGULAR, LEAST_CURVED, MOST_CURVED = (2.0, 1.5, 1.0), 0.15, 0.2, 3
 ACCURACY = 0.01
 
 
@@ -86,7 +91,7 @@ def make_reference(
         bent = int(np.sum(smallest_jacobians(mesh.points, mesh.elements) < LEAST_CURVED))
         quality = float(corner_quality(mesh.points, mesh.elements).min())
         meshes.append((bent, -quality, mesh))
-        if bent <= MOST_STRAIGHTENED and quality > LEAST_REGULAR:
+        if bent <= MOST_CURVED and quality > LEAST_REGULAR:
             break
     _, _, best = min(meshes, key=lambda made: made[:2])
     return ReferenceMesh.of(throw, best, paths)
@@ -176,6 +181,7 @@ class ReferenceMesh:
         """Velocities of the nodes of the mesh moved to a throw in one way, over dimensions at some paths."""
         sizes, velocities, beside = lengths_of(throw), {}, {}
         left_out = {}
+        shift = self._shift(throw, tier)
         for path in paths:
             value = sizes.get(path, 0.0)
             if value == 0.0:
@@ -183,7 +189,7 @@ class ReferenceMesh:
                 continue
             try:
                 low, high = (with_length(throw, path, value * (1.0 + s)) for s in (-STEP, STEP))
-                ends = [self._points(end, tier)[0] for end in (low, high)]
+                ends = [self._straightened(end, tier, shift)[0] for end in (low, high)]
             except (InputError, MeshError) as error:
                 left_out[path] = f"next to it no throw can be built or meshed ({error})"
                 continue
@@ -193,9 +199,9 @@ class ReferenceMesh:
 
     def _accepted(self, throw: CrankThrow, tier: str) -> MovedMesh:
         elements, part, length = self.mesh.elements, self.mesh.part, throw.parts.length
-        points, straightened = self._points(throw, tier)
+        points, straightened = self._straightened(throw, tier, self._shift(throw, tier))
         straightened = max(0, straightened - self.mesh.mended_elements)
-        if straightened > MOST_STRAIGHTENED:
+        if straightened > MOST_STRAIGHTENED * len(elements):
             raise MeshError(f"{straightened} elements would have to be straightened.")
         quality = float(corner_quality(points, elements).min())
         if quality < self._least_quality:
@@ -215,8 +221,17 @@ class ReferenceMesh:
         )
         return MovedMesh(moved, tier, quality, straightened)
 
-    def _points(self, throw: CrankThrow, tier: str) -> tuple[Array, int]:
-        """Nodes of the mesh moved in one way, and in how many elements edges were straightened."""
+    def _straightened(
+        self, throw: CrankThrow, tier: str, shift: Array | float
+    ) -> tuple[Array, int]:
+        """Nodes of the mesh moved in one way and shifted, and how many elements were straightened."""
+        points = self._points(throw, tier)
+        if np.any(shift):
+            points = self._on_surfaces(points + shift, self._levels(throw))
+        return straighten_elements(points, self.mesh.elements)
+
+    def _points(self, throw: CrankThrow, tier: str) -> Array:
+        """Nodes of the mesh moved in one way, on the surfaces."""
         levels = self._levels(throw)
         sizes, before = lengths_of(throw), lengths_of(self.throw)
         points = self.mesh.points + sum(
@@ -226,13 +241,54 @@ class ReferenceMesh:
             corners = self._corners
             for _ in range(SOLUTIONS):
                 points[corners] += self._elastic_step(points, levels)
-            shifts = points - self.mesh.points
-            for node, (start, stop) in zip(range(4, 10), EDGES, strict=True):
-                nodes = self.mesh.elements[:, [node, start, stop]].T
-                points[nodes[0]] = self.mesh.points[nodes[0]] + 0.5 * (
-                    shifts[nodes[1]] + shifts[nodes[2]]
-                )
-        return straighten_elements(self._on_surfaces(points, levels), self.mesh.elements)
+            points = self._with_middles(points, self.mesh.points)
+        return self._on_surfaces(points, levels)
+
+    def _with_middles(self, points: Array, before: Array) -> Array:
+        """Points with edge nodes that went as far as the ends of their edges, on the mean."""
+        shifts, points = points - before, points.copy()
+        for node, (start, stop) in zip(range(4, 10), EDGES, strict=True):
+            nodes = self.mesh.elements[:, [node, start, stop]].T
+            points[nodes[0]] = before[nodes[0]] + 0.5 * (shifts[nodes[1]] + shifts[nodes[2]])
+        return points
+
+    def _shift(self, throw: CrankThrow, tier: str) -> Array | float:
+        """Shifts (n, 3) by which flat elements of the mesh moved in one way become rounder; 0.0: none."""
+        if tier != ELASTIC:
+            return 0.0
+        levels, elements = self._levels(throw), self.mesh.elements
+        points = start = self._points(throw, tier)
+        quality = corner_quality(points, elements)
+        for _ in range(ROUNDS):
+            if quality.min() > self._least_quality:
+                break
+            near = np.zeros(len(points), dtype=bool)
+            near[elements[quality < ROUNDER * self._least_quality, :4]] = True
+            for _ in range(RINGS):
+                near[elements[near[elements].any(axis=1), :4]] = True
+            patch = near[elements].any(axis=1)
+            free = np.where(near[:, None, None], self._free(points, levels), 0.0)
+            moved = untangle(points, elements[patch, :4], free, self._sizes[patch])
+            moved = self._on_surfaces(self._with_middles(moved, points), levels)
+            reached = corner_quality(moved, elements)
+            if reached.min() <= quality.min():
+                break
+            points, quality = moved, reached
+        return points - start
+
+    def _free(self, points: Array, levels: list[Level]) -> Array:
+        """Projections (n, 3, 3) of motions of nodes on directions that their surfaces leave free."""
+        numbers, nodes = self._conditions
+        _, normals = _normals(levels, numbers, points[nodes], SHIFT * self.mesh.length)
+        free = np.tile(np.eye(3), (len(points), 1, 1))
+        for here, conditions, rank in self._sharing:
+            held = np.linalg.svd(normals[conditions], full_matrices=False)[2][:, :rank]
+            free[here] -= held.transpose(0, 2, 1) @ held
+        return free
+
+    @cached_property
+    def _sizes(self) -> Array:
+        return np.cbrt(6.0 * element_volumes(self.mesh.points, self.mesh.elements))
 
     def _levels(self, throw: CrankThrow) -> list[Level]:
         surfaces = bounding_surfaces(throw.parts, self.mesh.part)

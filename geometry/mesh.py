@@ -135,7 +135,7 @@ def check_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> N
     ------
     MeshError
     """
-    worst = float(corner_quality(points, elements).min())
+    worst = float(np.abs(corner_quality(points, elements)).min())
     if worst < SMALLEST_QUALITY:
         raise MeshError(
             f"an element is flat: its mean ratio is {worst:.1e}, below {SMALLEST_QUALITY:g}."

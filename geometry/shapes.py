@@ -152,13 +152,13 @@ def smallest_jacobians(
 
 
 def corner_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Mean ratio (m,) of the straight tetrahedra: 1 for a regular one, 0 for a flat one."""
+    """Mean ratio (m,) of the straight tetrahedra: 1 for a regular one, 0 for a flat one, less inside out."""
     corners = points[elements[:, :4]]
-    volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
+    volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6.0
     squares = sum(
         ((corners[:, i] - corners[:, j]) ** 2).sum(axis=1) for i in range(4) for j in range(i)
     )
-    return np.asarray(12.0 * (3.0 * volumes) ** (2.0 / 3.0) / squares)
+    return np.asarray(12.0 * np.cbrt(3.0 * volumes) * np.cbrt(3.0 * np.abs(volumes)) / squares)
 
 
 def straighten_elements(

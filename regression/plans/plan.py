@@ -266,7 +266,7 @@ def _check_factor(
 # Raise when a change of the model changes results: stored results of older versions are not used.
 MODEL_VERSION = 7
 # The same for answers on moved meshes, before they are scaled: others have keys of their own.
-MOVED_VERSION = 2
+MOVED_VERSION = 3
 
 
 @frozen("study: key", "factors: names", "design: design.kind", "held_out", "accuracy")

@@ -1,8 +1,8 @@
 """Meshes moved over 200 random boxes of throws, their topology against gmsh, and answers of random studies.
 
-Run by hand: ``python tests/campaigns/moved_meshes.py [meshes|topology|answers] [COUNT]`` (about 20 minutes
-each on one core); figures are in docs/accuracy.md. A box is a random throw (random_throws.py, seeds from 3000
-on), of which 3 to 8 dimensions vary by 5 or 10 %.
+Run by hand: ``python tests/campaigns/moved_meshes.py [meshes|topology|answers] [COUNT] [FIRST SEED]`` (about
+20 minutes each on one core, answers an hour); figures are in docs/accuracy.md. A box is a random throw
+(random_throws.py, seeds from 3000 on), of which 3 to 8 dimensions vary by 5 or 10 %.
 """
 
 import sys
@@ -34,9 +34,8 @@ THROWS, FEWEST = 12, 3
 TRUE_ACCURACY, NAME = 0.003, "axial_compliance_pinned"
 
 
-def boxes(count):
+def boxes(count, seed):
     """Random throws, each with a generator of random numbers and the dimensions that vary."""
-    seed = FIRST_SEED
     while count:
         try:
             throw = random_throw(seed)
@@ -67,10 +66,10 @@ def varied(throw, draw, paths, amount):
     return made
 
 
-def meshes(count, amount):
+def meshes(count, first, amount):
     """Move meshes in all boxes, and count how."""
     ways, times, reasons = Counter(), defaultdict(list), Counter()
-    for seed, throw, draw, paths in boxes(count):
+    for seed, throw, draw, paths in boxes(count, first):
         classes = defaultdict(list)
         for place, other in varied(throw, draw, paths, amount):
             classes[topology(other)].append((place, other))
@@ -108,10 +107,10 @@ def meshes(count, amount):
         print(number, reason)
 
 
-def topologies(count):
+def topologies(count, first):
     """Compare topologies with the numbers of faces, edges and corners of the solid."""
     known, tried = defaultdict(set), 0
-    for seed, throw, draw, paths in boxes(count):
+    for seed, throw, draw, paths in boxes(count, first):
         for amount in (0.05, 0.1):
             for _, other in varied(throw, draw, paths, amount):
                 if tried == count:
@@ -138,10 +137,10 @@ def solved(key, inputs, reference):
     return Outcome(key, inputs, found.values, None, 0.0, errors=found.errors, mesh=mesh)
 
 
-def answers(count):
+def answers(count, first):
     """Scaled answers of random studies against finer ones, and what anchors left out show of their ratio."""
     within, tried, scatters = 0, 0, []
-    for _, throw, _, paths in boxes(10**6):
+    for seed, throw, _, paths in boxes(10**6, first):
         sizes = lengths_of(throw)
         factors = tuple(
             Factor(
@@ -182,7 +181,7 @@ def answers(count):
             off = abs(found.responses[NAME] / true[NAME] - 1.0)
             within += off < found.errors[NAME]
             tried += 1
-            print(f"{100 * off:.2f} % of {100 * found.errors[NAME]:.2f} %", flush=True)
+            print(f"{seed}: {100 * off:.2f} % of {100 * found.errors[NAME]:.2f} %", flush=True)
         if tried >= count:
             break
     known = [100 * scatter for scatter in scatters if scatter is not None]
@@ -191,15 +190,16 @@ def answers(count):
     )
 
 
-def main(what="meshes", count="200"):
+def main(what="meshes", count="200", first=FIRST_SEED):
     keep_solids()
+    which = int(count), int(first)
     if what == "topology":
-        topologies(int(count))
+        topologies(*which)
     elif what == "answers":
-        answers(int(count))
+        answers(*which)
     else:
         for amount in (0.05, 0.1):
-            meshes(int(count), amount)
+            meshes(*which, amount)
 
 
 if __name__ == "__main__":

@@ -7,13 +7,20 @@ from comparing import close
 from crankbase.errors import MeshError
 from fem.analysis import Problem, solve_level
 from fem.material import STEEL
-from fem.moved_mesh import ELASTIC, VELOCITIES, ReferenceMesh, make_reference
+from fem.moved_mesh import (
+    ELASTIC,
+    LEAST_QUALITY,
+    VELOCITIES,
+    ReferenceMesh,
+    make_reference,
+)
 from fem.responses import evaluate_throw
 from fem.solver import Stopwatch
 from fem.superelement import combine_classes
 from fem.supports import support_throw
 from fem.symmetry import SHARED, degree_of, radial_directions, symmetry_classes
 from geometry.boundary_motion import (
+    STEP,
     bounding_surfaces,
     level_values,
     surface_conditions,
@@ -86,6 +93,37 @@ def test_a_mesh_is_moved_to_its_own_throw_by_nothing(reference):
 def test_another_topology_is_refused(reference, throw):
     with pytest.raises(MeshError, match="another topology"):
         reference.at(throw)
+
+
+CREASED = MEDIUM_SPEED | {"web_journal_end": 0.15, "web_pin_end": 0.14}
+
+
+@pytest.fixture(scope="module")
+def creased():
+    """Sides of the web meet in creases so flat that these move far."""
+    paths = ("web_width", "web_journal_end", "web_pin_end")
+    return make_reference(CrankThrow(**CREASED), paths, mesh_throw_here)
+
+
+@pytest.mark.parametrize(
+    "change", [{"web_journal_end": 0.143}, {"web_pin_end": 0.13}, {"web_width": 0.294}]
+)
+def test_elements_that_turn_inside_out_are_turned_back(creased, change, monkeypatch):
+    throw = CrankThrow(**CREASED | change)
+    moved = creased.at(throw)
+    assert moved.tier == ELASTIC
+    assert moved.quality > LEAST_QUALITY
+    assert smallest_jacobians(moved.mesh.points, moved.mesh.elements).min() > 0.0
+    # Nodes follow steps of a dimension without sliding anew.
+    path = next(iter(change))
+    motion = creased.motion_at(throw, ELASTIC, [path])
+    beside = creased._straightened(motion.beside[path][1], ELASTIC, creased._shift(throw, ELASTIC))
+    step = STEP * change[path] * motion.velocities[path]
+    length = np.abs(step).max()
+    assert np.abs(moved.mesh.points + step - beside[0]).max() < 1e-2 * length
+    monkeypatch.setattr("fem.moved_mesh.ROUNDS", 0)
+    with pytest.raises(MeshError, match="inside out"):
+        creased.at(throw)
 
 
 def test_a_mesh_that_would_suffer_is_refused(reference):

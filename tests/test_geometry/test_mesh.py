@@ -280,8 +280,9 @@ def test_flat_elements_are_refused():
     with pytest.raises(MeshError, match="flat"):
         check_quality(points, elements)
     regular = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
-    points, elements = straight_tetrahedra(regular, [(0, 1, 2, 3)])
-    assert corner_quality(points, elements) == close([1.0])
+    for sense, corners in ((-1.0, (0, 1, 2, 3)), (1.0, (0, 2, 1, 3))):
+        points, elements = straight_tetrahedra(regular, [corners])
+        assert corner_quality(points, elements) == close([sense])
 
 
 @st.composite
