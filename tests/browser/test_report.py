@@ -240,6 +240,23 @@ def test_names_are_no_markup_in_the_browser(open_page, tmp_path):
     assert page.complaints == []
 
 
+def _titles(page, plot):
+    """Return text, top and bottom [pixels] of the titles of a plot and its axes, as they are printed."""
+    return page.locator(f'figure:has([data-plot="{plot}"]) img.for-paper').evaluate(
+        """async image => {
+            const drawn = document.createElement("div");
+            drawn.innerHTML = await (await fetch(image.src)).text();
+            document.body.appendChild(drawn);
+            const titles = [...drawn.querySelectorAll(".infolayer text[class*=title]")].map(text => {
+                const box = text.getBoundingClientRect();
+                return [text.classList[0], {text: text.textContent, top: box.top, bottom: box.bottom}];
+            });
+            drawn.remove();
+            return Object.fromEntries(titles);
+        }"""
+    )
+
+
 def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
     page = open_page(report, PAPER)
     # Nobody has scrolled: what is printed is there without.
@@ -261,6 +278,15 @@ def test_on_paper_the_static_pictures_stand(report, open_page, tmp_path):
     sizes = page.locator("figure img.for-paper").evaluate_all("all => all.map(i => i.naturalWidth)")
     assert len(sizes) >= 10
     assert min(sizes) > 400
+    # What a menu chose is told, and no title of an axis stands in that of the diagram.
+    assert "Hz: " in _titles(page, "shaft_modes")["gtitle"]["text"]
+    for plot in page.locator("figure:has(img.for-paper) .interactive").evaluate_all(
+        "plots => plots.map(p => p.dataset.plot)"
+    ):
+        titles = _titles(page, plot)
+        low = titles.pop("gtitle")["bottom"]
+        tops = [title["top"] for title in titles.values()]
+        assert all(top > low - 4.0 for top in tops), plot
     pdf = page.pdf(format="A4", path=str(tmp_path / "report.pdf"))
     assert 5 < len(re.findall(rb"/Type\s*/Page\b", pdf)) < 60
 

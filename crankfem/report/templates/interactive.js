@@ -11,6 +11,7 @@ is packed in the page, also the pictures <img data-packed="ID"> and the library 
   var NARROW = 600; // pixels
   var LEGEND = 100; // pixels, of a legend below a narrow diagram before its entries are known
   var SQUARE = 440; // pixels, height of a narrow diagram with equal scales
+  var LINE = 15; // pixels, of a small title
   var PAPER = 480; // pixels, width of a still; paper shows it in 590, or two beside each other
   var TURN = Math.PI / 12;
   var ZOOM = 1.2;
@@ -478,6 +479,16 @@ is packed in the page, also the pictures <img data-packed="ID"> and the library 
       .catch(function () { giveUp(holder); });
   }
 
+  /* Write what the menus choose below the title: on paper there are none. */
+  function told(layout) {
+    (layout.updatemenus || []).forEach(function (menu) {
+      layout.title.text += "<br>" + menu.buttons[menu.active].label;
+      layout.margin.t += LINE;
+      layout.height += LINE;
+    });
+    delete layout.updatemenus;
+  }
+
   /* Make what is printed of a plot without a picture; views in three dimensions have none. */
   function still(holder) {
     return ready()
@@ -488,9 +499,11 @@ is packed in the page, also the pictures <img data-packed="ID"> and the library 
           return null;
         }
         var plot = element("div", { class: "unseen" });
-        delete figure.layout.updatemenus;
         figure.layout.width = PAPER;
-        figure.layout.height = Math.min(figure.layout.height, 0.65 * PAPER);
+        // One panel above another needs room for the titles of both axes.
+        var stacked = figure.layout.yaxis2 && !figure.layout.yaxis2.overlaying;
+        figure.layout.height = Math.min(figure.layout.height, (stacked ? 1 : 0.65) * PAPER);
+        told(figure.layout);
         var own = copy(figure.layout);
         // On paper nothing can be switched on.
         figure.data = figure.data.filter(function (trace) { return trace.visible !== "legendonly"; });
