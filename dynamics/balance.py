@@ -27,7 +27,8 @@ from dynamics.engine.forces import checked_cylinder, checked_orders, parts_motio
 from dynamics.engine.layout import EngineLayout, RotatingMass, check_distinct_positions
 from dynamics.plots.load_diagrams import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
 
-# An ellipse whose axes differ by less than this share is a circle; one so flat is a line.
+# An ellipse whose axes differ by less than this share is a circle; one so flat is a line; a sum so small
+# beside its terms is zero.
 ROUND_OFF = 1e-12
 # Directions nearer to -90 deg than this [rad] are written as +90 deg.
 FOLD = 1e-9
@@ -212,9 +213,10 @@ def hodograph_sum(order: int, hodographs: Iterable[Hodograph]) -> Hodograph:
 
 
 def _accurate_sum(numbers: Iterable[complex]) -> complex:
-    """Return the sum with round-off set to zero where terms cancel."""
+    """Return the sum, zero where it is round-off of its terms."""
     terms = list(numbers)
-    return complex(math.fsum(term.real for term in terms), math.fsum(term.imag for term in terms))
+    total = complex(math.fsum(term.real for term in terms), math.fsum(term.imag for term in terms))
+    return total if abs(total) > ROUND_OFF * math.fsum(map(abs, terms)) else 0.0j
 
 
 def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph, ...]:
@@ -310,13 +312,13 @@ def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
     """
     reciprocating = [cylinder.piston_mass for cylinder in engine.cylinders]
     rotating = [0.0] * len(engine.cylinders)
-    lateral = [0.0] * len(engine.cylinders)
+    moments: list[list[float]] = [[] for _ in engine.cylinders]
 
     def share_out(place: int, mass: float, point: complex) -> float:
         """Distribute a mass to the ends of a rod; return the part at its foot."""
         at_piston = mass * point.real / engine.cylinders[place].rod.length
         reciprocating[place] += at_piston
-        lateral[place] += mass * point.imag
+        moments[place].append(mass * point.imag)
         return mass - at_piston
 
     for place, cylinder in enumerate(engine.cylinders):
@@ -327,6 +329,7 @@ def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
             rotating[main] += at_foot
         else:
             rotating[place] += at_foot
+    lateral = [_accurate_sum(terms).real for terms in moments]
     numbers = range(1, len(reciprocating) + 1)
     return tuple(map(MovingMasses, numbers, reciprocating, rotating, lateral))
 

@@ -156,6 +156,26 @@ def test_change_of_a_hodograph():
     assert hodograph_change(reference, Hodograph(2, 0.0, 0.0)).major is None
 
 
+def test_a_radial_engine_has_no_round_off_in_what_cancels():
+    main = ConnectingRod(length=0.33, mass=7.0, center_distance=0.07, inertia=0.1)
+    slave = ConnectingRod(length=0.262, mass=1.6, center_distance=0.1, inertia=0.02)
+    banks = [40.0 * number for number in range(9)]
+    rods = [EngineCylinder(0.155, 2.6, main)]
+    rods += [
+        EngineCylinder(
+            0.155, 2.6, slave, bank_angle_deg=bank, slave_pin=SlavePin(1, 0.068, angle_deg=bank)
+        )
+        for bank in banks[1:]
+    ]
+    radial = EngineLayout(0.087, rods, [1, 3, 5, 7, 9, 2, 4, 6, 8])
+    assert moving_masses(radial)[0].lateral == 0.0
+    (second,) = hinged_rod_effects(radial, SPEED, (2,))
+    # Nine equal rods in a star have no second order, which nothing is a share of.
+    assert second.side_by_side.major == 0.0
+    change = hodograph_change(second.hinged, second.side_by_side)
+    assert (change.major, change.minor, change.turn_deg) == (None, None, None)
+
+
 test_what_is_refused = refusals_of(
     lambda act: act(in_line([0.0, 2.0, 4.0])),
     (lambda e: balance(e, 0.0), "speed"),
