@@ -267,7 +267,10 @@ def test_fields_are_explained(call):
     for word in ("[throw] (required)", "[[throw.further_pins]]", "web_tip_thickness", "D_shm"):
         assert word in answer.out
     assert "[rod]" not in answer.out
-    titles = [table["title"] for table in call("fields", "--json").json()["sections"]]
+    tables = call("fields", "--json").json()["sections"]
+    allowed = [row["allowed"] for table in tables for row in table["rows"]]
+    assert not any(text.endswith(("default ", "default ()")) for text in allowed)
+    titles = [table["title"] for table in tables]
     assert {"[engine]", "[throw.counterweight]", "[rod]"} <= set(titles)
 
 

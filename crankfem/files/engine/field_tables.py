@@ -114,7 +114,7 @@ def _row(name: str, info: FieldInfo) -> FieldRow:
     if choices:
         allowed = " or ".join(get_args(choices[0]))
     default = info.default
-    if default is not PydanticUndefined and default is not ... and default is not None:
+    if default is not PydanticUndefined and default not in (..., None, "", ()):
         text = (
             format_quantity(default, unit) if unit and isinstance(default, float) else f"{default}"
         )
