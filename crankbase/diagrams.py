@@ -136,6 +136,7 @@ def with_gaps(values: Array) -> Array:
 # Room for the ticks and the label of an axis above a legend [points].
 BELOW_AXIS = 34.0
 SIZE, TITLE_SIZE = 8, 11
+LONG_TITLE = 60  # letters
 
 
 def legend_below(axes: Axes, columns: int) -> None:
@@ -163,11 +164,25 @@ def legend_inside(axes: Axes) -> None:
     axes.legend(fontsize=SIZE, frameon=False)
 
 
+def title_lines(title: str) -> list[str]:
+    """Break a title that is too long for half a page behind a comma, where it has one.
+
+    Examples
+    --------
+    >>> title_lines("8L 32/42 generating set, nominal torsional stress, cylinder 7 - cylinder 8")
+    ['8L 32/42 generating set, nominal torsional stress,', 'cylinder 7 - cylinder 8']
+    """
+    if len(title) <= LONG_TITLE or ", " not in title[:LONG_TITLE]:
+        return [title]
+    place = title.rindex(", ", 0, LONG_TITLE)
+    return [title[: place + 1], title[place + 2 :]]
+
+
 def write_title(
     axes: Axes, title: str, size: float = TITLE_SIZE, *, mathematics: bool = False
 ) -> None:
     """Write a title over the left end of the axes, unchanged, or with math notation between ``$``."""
-    shown = title if mathematics else plain_text(title)
+    shown = title if mathematics else plain_text("\n".join(title_lines(title)))
     axes.set_title(shown, fontsize=size, loc="left")
 
 

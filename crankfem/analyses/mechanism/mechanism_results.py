@@ -307,7 +307,8 @@ def mechanism_results(run: MechanismRun) -> MechanismResults:
     gas = [
         remark
         if len(places) == len(run.pressure)
-        else f"Cylinder{'s' if len(places) > 1 else ''} {format_names(places)}: {remark[0].lower()}{kept(remark[1:])}"
+        else f"Cylinder{'s' if len(places) > 1 else ''} {format_names(places)}: "
+        f"{remark[0].lower()}{kept(remark[1:])}"
         for remark, places in whose.items()
     ]
     crankpins = []

@@ -25,6 +25,7 @@ from crankbase.diagrams import (
     Note,
     bracketed,
     display_unit,
+    title_lines,
 )
 from crankbase.quantity import format_number
 from regression.plans.factors import Factor
@@ -71,7 +72,6 @@ FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, s
 TEXT_COLOR, QUIET_COLOR = "#1d2733", "#5b6875"
 GRID_COLOR = STYLE["grid.color"]
 HEIGHT = 430  # pixels
-LONG_TITLE = 60  # letters
 TITLE_LINE = 20  # px that a further line of a title takes
 
 
@@ -131,20 +131,6 @@ def plain_layout(title: str, height: int = HEIGHT) -> Part:
             "traceorder": "normal",
         },
     }
-
-
-def title_lines(title: str) -> list[str]:
-    """Break a title that is too long for half a page behind a comma, where it has one.
-
-    Examples
-    --------
-    >>> title_lines("8L 32/42 generating set, nominal torsional stress, cylinder 7 - cylinder 8")
-    ['8L 32/42 generating set, nominal torsional stress,', 'cylinder 7 - cylinder 8']
-    """
-    if len(title) <= LONG_TITLE or ", " not in title[:LONG_TITLE]:
-        return [title]
-    place = title.rindex(", ", 0, LONG_TITLE)
-    return [title[: place + 1], title[place + 2 :]]
 
 
 def line(
