@@ -31,6 +31,7 @@ from crankfem.satellites.measured.order_fits import (
     fit_along,
     fit_windows,
     spacing,
+    unbroken_windows,
 )
 from crankfem.satellites.measured.pulses import Edge, pulse_times
 from crankfem.satellites.measured.records.reading import read_record
@@ -198,7 +199,7 @@ class Measurement:
                     f"record: given {samples.revolutions:.3g} revolutions; allowed are at least "
                     f"{length / TURN:g}, because one window takes so many."
                 )
-            ends_of = np.column_stack((begins, begins + length))
+            ends_of = unbroken_windows(samples, begins, length)
             name = f"amplitudes linear in windows of {length / TURN:g} revolutions"
             return fit_windows(samples, fitted, ends_of, linear=True), fitted, name
         if not dwells:
@@ -295,9 +296,10 @@ class Measurement:
 
 def _dwell(samples: Samples, orders: Array, dwell: tuple[float, float], length: float) -> OrderFit:
     """Return the mean of the orders over the windows of one steady speed."""
-    count = max(int((dwell[1] - dwell[0]) / length), 1)
-    begins = dwell[0] + length * np.arange(count)
-    fit = fit_windows(samples, orders, np.column_stack((begins, begins + length)))
+    begins = dwell[0] + length * np.arange(max(int((dwell[1] - dwell[0]) / length), 1))
+    windows = unbroken_windows(samples, begins, length)
+    count = len(windows)
+    fit = fit_windows(samples, orders, windows)
     mean = np.mean(fit.amplitude, axis=0)
     scatter = np.sqrt(np.mean(fit.scatter**2, axis=0))
     if count >= KNOWN_SCATTER:
@@ -398,14 +400,17 @@ def _times(channel: Channel, edge: Edge) -> Array:
     """Return the times of the pulses of a channel [s]."""
     if channel.si_unit == "s":
         return channel.si()
-    if channel.places is not None and np.unique(channel.values[:1000]).size <= 2:
+    # What has another unit, such as a speed, is no sensor's signal.
+    plain = channel.axis == "time" and channel.si_unit in ("", "V")
+    if plain and channel.places is not None and np.unique(channel.values[:1000]).size <= 2:
         level = channel.values
         changes = np.diff(level) > 0.0 if edge == "rising" else np.diff(level) < 0.0
         return channel.abscissa()[1:][changes]
-    if channel.axis != "time" or channel.step is None:
+    if not plain or channel.step is None:
+        shown = f"{channel.unit or 'no unit'} over {'no time' if channel.axis == 'none' else channel.axis}"
         raise InputError(
-            f"{channel.name}: is over {channel.axis}; allowed are times of pulses in s, or a voltage at even "
-            "times, such as one with rate = 50000 (1/s)."
+            f"{channel.name}: given in {shown}; allowed are times of pulses in s, as under pulse_time_s, or "
+            "the voltage of the wheel's sensor at even times, such as one with rate = 50000 (1/s)."
         )
     begin = float(channel.start or 0.0)
     pieces = (values for values in channel.column.read(2**21))

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from crankbase.array_checks import Array, ComplexArray, Flags, Integers
 from crankbase.errors import InputError
@@ -107,6 +108,28 @@ def waves(angle: Array, orders: Array) -> Array:
     return np.stack((turned.real, -turned.imag), axis=2).reshape(angle.size, -1)
 
 
+def unbroken_windows(samples: Samples, begins: ArrayLike, length: float) -> Array:
+    """Return the ends (m, 2) of windows from some angles on [rad] in which no revolution is without samples.
+
+    Raises
+    ------
+    InputError
+        If none is left.
+    """
+    ends = np.add.outer(np.asarray(begins, dtype=float), [0.0, length])
+    pauses = np.flatnonzero(np.diff(samples.angle) > TURN)
+    broken = (ends[:, :1] < samples.angle[pauses + 1]) & (ends[:, 1:] > samples.angle[pauses])
+    kept: Array = ends[~np.any(broken, axis=1)]
+    if not kept.size:
+        pause = int(pauses[0])
+        raise InputError(
+            f"record: given nothing from {samples.time[pause]:.6g} s to {samples.time[pause + 1]:.6g} s; "
+            f"allowed are records with {length / TURN:g} revolutions without a pause, because one window "
+            "takes so many."
+        )
+    return kept
+
+
 def fit_windows(samples: Samples, orders: Array, ends: Array, *, linear: bool = False) -> OrderFit:
     """Fit orders in windows from one angle to another [rad], (m, 2).
 
@@ -185,16 +208,19 @@ def _window(
 
 
 def separation(samples: Samples, orders: Array) -> float:
-    """Return the condition of the waves of orders over a shortest window in the middle.
+    """Return the condition of the waves of orders over a shortest window, in the middle or nearest to it.
 
     Raises
     ------
     InputError
-        If it is too bad.
+        If it is too bad, or as `unbroken_windows`.
     """
-    half = 0.5 * TURN * max(CONSTANT, SEPARATION / spacing(orders))
-    middle = 0.5 * float(samples.angle[0] + samples.angle[-1])
-    near = samples.within(np.abs(samples.angle - middle) <= half)
+    length = TURN * max(CONSTANT, SEPARATION / spacing(orders))
+    middle = 0.5 * float(samples.angle[0] + samples.angle[-1] - length)
+    begins = np.append(middle, np.arange(samples.angle[0], samples.angle[-1] - length, length))
+    windows = unbroken_windows(samples, begins, length)
+    begin, end = windows[np.argmin(np.abs(windows[:, 0] - middle))]
+    near = samples.within((samples.angle >= begin) & (samples.angle <= end))
     if near.time.size <= 1 + 2 * orders.size:
         raise _too_many(orders, near.time.size, 1 + 2 * orders.size)
     columns = np.hstack((np.ones((near.time.size, 1)), waves(near.angle, orders)))

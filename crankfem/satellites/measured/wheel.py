@@ -176,7 +176,9 @@ def number_teeth(times: ArrayLike, wheel: Wheel) -> Teeth:
     if not wheel.marked and _wheel_like(steps) is not None:
         raise _not_this(steps, wheel, f"of {number.size} pulses {lost} are missing")
     if max(lost, doubled) > MOST_MENDED * number.size:
-        raise _not_this(steps, wheel, f"of {number.size} pulses {max(lost, doubled)} do not fit it")
+        raise _not_this(
+            steps, wheel, f"beside {number.size} pulses {lost} are missing, {doubled} doubled"
+        )
     return Teeth(wheel, time[sure], number[sure], lost, doubled, int(np.count_nonzero(~sure)))
 
 
@@ -306,7 +308,7 @@ def _wheel_like(steps: Integers) -> Wheel | None:
 def _not_this(steps: Integers, wheel: Wheel, why: str) -> InputError:
     """Return the refusal, with the wheel that the pulses look like."""
     like = ""
-    if (other := _wheel_like(steps)) is not None:
+    if (other := _wheel_like(steps)) not in (None, wheel):
         like = f"; the pulses are like those of a wheel {other}"
     elif not np.any(steps > 1):
         like = "; the pulses are even, as those of a wheel without a mark"

@@ -69,3 +69,16 @@ def test_places_and_files_in_the_way_are_refused_before_a_record_is_read(call, t
         assert answer.code == 2
         assert word in answer.err
     assert (tmp_path / "overlay.html").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("header", "word"), [("time_s,speed_rpm", "rpm over time"), ("wheel", "no unit over no time")]
+)
+def test_what_is_no_signal_of_a_wheel_is_refused(call, tmp_path, header, word):
+    time = np.arange(0.0, 2.0, 1e-4)
+    rows = np.column_stack((time, 1500.0 + np.sin(300.0 * time)))[:, 2 - len(header.split(",")) :]
+    path = tmp_path / "speed.csv"
+    np.savetxt(path, rows, delimiter=",", comments="", header=header)
+    answer = call("measured", str(path), "--teeth", "3")
+    assert answer.code == 2
+    assert word in answer.err

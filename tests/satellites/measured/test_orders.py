@@ -8,6 +8,7 @@ import pytest
 
 from comparing import close
 from crankfem.satellites.measured.measurement import Measurement, load, refuse_other_speeds
+from crankfem.satellites.measured.order_fits import Samples, unbroken_windows
 from crankfem.satellites.measured.wheel import Wheel, number_teeth
 from crankfem.satellites.measured.wheel_constants import (
     constants_by_reference,
@@ -185,6 +186,17 @@ def test_orders_that_the_wheel_cannot_show_are_refused():
         measured("24", times).orders([13.0])
     with refused("window"):
         measured("24", times).orders([1.0], method="steady", window=2.0)
+
+
+def test_windows_with_a_pause_are_left_out():
+    times, amplitudes = steady_record([900.0], teeth="60", turns=100)
+    times = times[np.arange(1, times.size + 1) % 60 < 58]
+    found = measured("60-2", np.delete(times, np.s_[2000 : 2000 + 12 * 58])).orders([0.5, 3.0])
+    assert found.amplitude[0] == close(list(amplitudes.values()), rel=1e-4)
+    angle = np.delete(np.linspace(0.0, 40.0 * np.pi, 1201), np.s_[500:700])
+    with refused("record") as caught:
+        unbroken_windows(Samples(angle / 80.0, angle, angle), [0.0, 20.0], 24.0 * np.pi)
+    assert "12 revolutions without a pause" in str(caught.value)
 
 
 def test_a_record_of_another_engine_is_refused():

@@ -151,3 +151,11 @@ def test_both_edges_are_half_a_pitch_apart():
 def test_a_flat_voltage_has_no_teeth():
     with refused("voltage"):
         pulse_times(np.zeros(1000), RATE)
+
+
+def test_a_wheel_is_not_said_to_be_like_itself():
+    _, times = real(60, 2)
+    with refused("teeth") as caught:
+        number_teeth(np.delete(times, np.s_[600:1800]), Wheel(60, 2))
+    assert "1200 are missing" in str(caught.value)
+    assert "like" not in str(caught.value)
