@@ -196,6 +196,10 @@ def regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> ND
     InputError
         If a value is of another kind, or the rows are of unequal length.
     """
+    if np.ma.is_masked(values):
+        raise InputError(
+            f"{field}: given masked values; allowed are all values, because masked ones would count."
+        )
     try:
         raw = np.asarray(values)
     except ValueError:

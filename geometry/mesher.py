@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from crankbase.array_checks import positive_number
 from crankbase.calls import ProcessLostError
 from crankbase.choices import check_kind
 from geometry.any_throw import Throw
@@ -54,6 +55,8 @@ def mesh_isolated(
     """
     check_kind("throw", throw, Throw, "a CrankThrow, or what import_throw returns")
     process = shared_process() if process is None else process
+    size_factor = positive_number("size_factor", size_factor, "", "it scales the elements")
+    time_limit = positive_number("time_limit", time_limit, "s", "meshing takes time")
     limit = time_limit + SECONDS_PER_UNKNOWN * expected_unknowns(throw, size_factor, sizes)
     attempts: tuple[str, ...] = ()
 

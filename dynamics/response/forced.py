@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.array_checks import Array, ComplexArray, Flags
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, check_kind
 from crankbase.errors import InputError, SolveError
 from crankbase.frames import Axes, Dataset, grid
 from crankbase.memory import check_memory
@@ -202,6 +202,7 @@ def forced_response(
         If the excitation has another number of nodes, both magnifier and modal damping are given,
         or one of them is out of range.
     """
+    check_kind("excitation", excitation, OrderExcitation, "an OrderExcitation")
     chain, system = chain_and_system(chain_or_system)
     system = system.with_added_damping(magnifier, modal_damping)
     nodes = len(system.expand)
@@ -301,4 +302,5 @@ def chain_and_system(
         return None, vibrating
     if isinstance(vibrating, DampedChain):
         return vibrating.chain, vibrating.system
+    check_kind("chain_or_system", vibrating, Chain, "a Chain, or what damped returns")
     return vibrating, chain_system(vibrating)

@@ -14,7 +14,7 @@ from crankbase.array_checks import (
     one_for_each,
     positive_number,
 )
-from crankbase.choices import whole_within
+from crankbase.choices import check_kind, whole_within
 from crankbase.errors import InputError
 from crankbase.quantity import compact
 from crankbase.results import result
@@ -353,6 +353,7 @@ def damped(
         undamped is combined with any damping, or a node or an element already has damping of the kind and
         `add` is not True.
     """
+    check_kind("chain", chain, Chain, "a Chain, as load_chain returns in .chain")
     magnifier, modal_damping = dampings.get("magnifier"), dampings.get("modal_damping")
     engine_magnifier = dampings.get("engine_magnifier")
     named = [

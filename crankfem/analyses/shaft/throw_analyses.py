@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeAlias, Union
 
+from crankbase.choices import check_kind
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
 
@@ -44,7 +45,13 @@ def analyses_by_name(engine_file: EngineFile, analysis: Analyses) -> "dict[str, 
     InputError
         If one is missing, or there are others.
     """
+    from fem.analysis import ThrowAnalysis
+
     names = tuple(engine_file.named_throws)
+    for each in analysis.values() if isinstance(analysis, Mapping) else [analysis]:
+        check_kind(
+            "analysis", each, ThrowAnalysis, "what analyze_throw returns, or a mapping of these"
+        )
     if isinstance(analysis, Mapping):
         if set(analysis) != set(names):
             raise InputError(

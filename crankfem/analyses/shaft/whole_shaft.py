@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 import numpy as np
 
 from crankbase.array_checks import Array
-from crankbase.choices import check_choice, check_not_given
+from crankbase.choices import check_choice, check_kind, check_not_given
 from crankbase.errors import InputError
 from crankbase.frames import Axes, table_of
 from crankbase.quantity import UNBOUNDED, percent
@@ -360,6 +360,7 @@ def whole_shaft(
     SolveError
         If the superelement cannot be built.
     """
+    check_kind("engine_file", engine_file, EngineFile, "what load_engine returns")
     exciting = highest_exciting_frequency(engine_file)
     highest = max(LEAST_FREQUENCY, exciting)
     each = crank_analyses(engine_file, analysis)
