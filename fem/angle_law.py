@@ -32,7 +32,7 @@ from crankbase.results import Internal, Quantity, Result, result
 from fem.end_reactions import WORDS
 from fem.plots import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
-from fem.supports import Neighbors, Support, support_throw
+from fem.supports import Neighbors, Support, SupportedThrow, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
 
 # A stiffness that its mirror image repeats within this share is symmetric.
@@ -207,16 +207,27 @@ def _row_of_angles(gamma_deg: ArrayLike) -> NDArray[Any]:
 
 def effective_angle_law(throw: Superelement) -> AngleLaw:
     """The angle law through e(0), e(90) and e(180), for equal webs and rigid sections exact between them."""
-    in_line, quarter, opposite = (
-        support_throw(throw, Neighbors(angle, angle)) for angle in (0.0, 90.0, 180.0)
-    )
+    in_line, opposite, ratio = between_neighbors(throw)
     return AngleLaw(
         in_line=in_line.axial,
         opposite=opposite.axial,
-        ratio=(opposite.axial - quarter.axial) / (quarter.axial - in_line.axial),
+        ratio=ratio,
         influence_in_line=in_line.influence,
         influence_opposite=opposite.influence,
     )
+
+
+def between_neighbors(throw: Superelement) -> tuple[SupportedThrow, SupportedThrow, float]:
+    """Answer between equal neighbors in line and opposite, and by e(90) the ratio of the law (rho).
+
+    No law holds for several pins, where e(gamma) is not e(-gamma): with pins 30 deg apart e(-60) may be 1.4
+    times e(60), with a right angle between them e(90) is below e(0) and the ratio below zero.
+    """
+    in_line, quarter, opposite = (
+        support_throw(throw, Neighbors(angle, angle)) for angle in (0.0, 90.0, 180.0)
+    )
+    ratio = (opposite.axial - quarter.axial) / (quarter.axial - in_line.axial)
+    return in_line, opposite, ratio
 
 
 def is_symmetric(throw: Superelement) -> bool:

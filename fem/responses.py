@@ -17,7 +17,7 @@ import numpy as np
 from crankbase.array_checks import Array
 from crankbase.errors import MeshError
 from fem.analysis import Problem, RefinementLevel, solve_level, solve_to_accuracy
-from fem.angle_law import effective_angle_law
+from fem.angle_law import between_neighbors
 from fem.correction import error_bars, slope_errors
 from fem.fillet_stress import fillet_stresses
 from fem.material import STEEL, Material
@@ -313,13 +313,13 @@ def _plain_answers(throw: Superelement, length: float, part: str) -> dict[str, f
         answers[f"axial_compliance_{support}"] = answer.axial
         answers[f"torsional_compliance_{support}"] = answer.torsional
         answers[f"influence_coefficient_{support}"] = answer.influence
-    law = effective_angle_law(throw)
+    in_line, opposite, ratio = between_neighbors(throw)
     answers |= {
-        "axial_compliance_opposite": law.opposite,
-        "axial_compliance_in_line": law.in_line,
-        "tilt_stiffness_ratio": law.ratio,
-        "influence_coefficient_opposite": law.influence_opposite,
-        "influence_coefficient_in_line": law.influence_in_line,
+        "axial_compliance_opposite": opposite.axial,
+        "axial_compliance_in_line": in_line.axial,
+        **({"tilt_stiffness_ratio": ratio} if len(throw.pin_loads) == 1 else {}),
+        "influence_coefficient_opposite": opposite.influence,
+        "influence_coefficient_in_line": in_line.influence,
     }
     if part != "full":
         answers |= end_moment_numbers(throw, length, alike=part == "quarter")

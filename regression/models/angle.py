@@ -15,6 +15,11 @@ from crankbase.array_checks import finite_array
 from crankbase.errors import InputError, quoted
 from regression.response_kinds import fold_angle_deg
 
+SEVERAL_PINS = (
+    "gamma_deg: given for throws of several pins; allowed are throws of one pin, because with more the "
+    "compliances at an angle and at its opposite differ: use analyze_throw."
+)
+
 
 def fold_angle(gamma_deg: ArrayLike) -> Any:
     """Fold angles between neighbors to 0 ... 180 deg; `InputError` if one is not a finite number.

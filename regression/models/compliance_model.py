@@ -30,7 +30,7 @@ from crankbase.sentences import finished
 from fem.end_reactions import Reactions
 from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.models.angle import between_values, fold_angle, opposite_share
+from regression.models.angle import SEVERAL_PINS, between_values, fold_angle, opposite_share
 from regression.models.family import Family, angle_law_remarks, query_for_throw
 from regression.models.lookup import (
     Lookup,
@@ -179,6 +179,12 @@ class CompiledModel:
         """Remarks on the angle law of the model's throws."""
         return angle_law_remarks(self.family, self._throw)
 
+    @cached_property
+    def several_pins(self) -> bool:
+        """Whether the model's throws have more than one pin."""
+        pins = () if self._throw is None else CrankThrow(**self._throw).further_pins
+        return bool(pins) or any(name.startswith(_FURTHER_PINS) for name in _names(self.family))
+
     def query(self, name: str) -> ResponseQuery:
         """Return the query for a response, or name those available."""
         if name not in self._queries:
@@ -199,12 +205,18 @@ def _warn_outside(answers: Iterable[ResponseValues], frames: int) -> None:
 
 
 # Beginnings of names of what a throw has that its first pin's reactions do not tell of.
-_OTHER_PARTS = ("further_pins.", "oil_holes.")
+_FURTHER_PINS = "further_pins."
+_OTHER_PARTS = (_FURTHER_PINS, "oil_holes.")
 ANGLE = "gamma_deg"
 MOST_POINTS = 1_000_000
 # What a table says of each response.
 WORDS = ("symbol", "unit", "support", "form")
 ERRORS = ("largest_error", "largest_heldout_error", "largest_fe_error")
+
+
+def _names(family: Family) -> list[str]:
+    """Return the names of all that varies or is fixed."""
+    return [*family.factors, *family.relations, *family.fixed, *family.labels]
 
 
 def _middle(family: Family) -> dict[str, float | str]:
@@ -318,13 +330,16 @@ class ComplianceModel(InputModel):
     def angle_law(self, name: str) -> tuple[str, str, str]:
         """Names of the three responses (at 0 deg, at 180 deg, rho) of a response's angle law.
 
-        `InputError` if the response has no such law, or the model lacks one of the three.
+        `InputError` if the response or the model's throws have no such law, or the model lacks one of the
+        three.
         """
         if name not in ANGLE_LAWS:
             raise InputError(
                 f"gamma_deg: given for {name}; allowed is an angle for {' and '.join(ANGLE_LAWS)}, "
                 "because other responses have no closed angle law."
             )
+        if self._compiled.several_pins:
+            raise InputError(SEVERAL_PINS)
         needed = ANGLE_LAWS[name]
         missing = [part for part in needed if part not in self.responses]
         if missing:
@@ -721,8 +736,7 @@ class ComplianceModel(InputModel):
     def _check_throws(self, kind: str) -> None:
         """Refuse throws whose reactions do not follow from the model's numbers."""
         family, throw = self.family, self.throw
-        names = [*family.factors, *family.relations, *family.fixed, *family.labels]
-        part = next((name for name in names if name.startswith(_OTHER_PARTS)), None)
+        part = next((name for name in _names(family) if name.startswith(_OTHER_PARTS)), None)
         if part is not None or (throw is not None and CrankThrow(**throw).symmetry == "full"):
             raise InputError(
                 f"reactions: given a model of throws with {part or 'parts beside the crank plane'}; allowed "

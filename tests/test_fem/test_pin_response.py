@@ -30,7 +30,7 @@ from fem.supports import (
 from fem.symmetry import pin_load, pin_surfaces, unit_pin_loads
 from geometry.solid import LEFT_END, MAIN_JOURNAL, RIGHT_END
 from geometry.throw import CrankThrow
-from geometry.throw_dimensions import Web
+from geometry.throw_dimensions import FurtherPin, Web
 from parts_in_a_line import crank_throw
 from refusals import refused
 
@@ -362,6 +362,25 @@ def test_responses_are_those_of_the_whole_analysis(throw):
         assert found.values[name] == close(value, rel=1e-8), name
     assert found.errors["axial_compliance_pinned"] == close(analysis.error_estimate)
     assert found.unknowns == analysis.mesh.unknowns
+
+
+def test_throws_of_two_pins_have_no_law_of_the_angle():
+    """With pins 30 deg apart e(60) is not e(-60), with a right angle e(90) is below e(0) and e(180)."""
+    pins = FurtherPin(angle=np.deg2rad(30.0), web_thickness=0.05)
+    analysis = analyze_throw(PLAIN.changed(further_pins=[pins]), accuracy=0.1)
+    ahead, behind = (analysis.axial_compliance(Neighbors(angle, angle)) for angle in (60.0, -60.0))
+    assert behind > 1.2 * ahead
+    crossed = PLAIN.changed(further_pins=[pins.changed(angle=np.pi / 2)])
+    found = evaluate_throw(crossed, accuracy=0.1, slopes=["web_width"])
+    analysis = analyze_throw(crossed, accuracy=0.1)
+    low, middle, high = (
+        analysis.axial_compliance(Neighbors(angle, angle)) for angle in (0.0, 90.0, 180.0)
+    )
+    assert middle < min(low, high)
+    assert found.values["axial_compliance_in_line"] == close(low, rel=1e-8)
+    assert found.values["axial_compliance_opposite"] == close(high, rel=1e-8)
+    for by_name in (found.values, found.errors, found.slopes):
+        assert "tilt_stiffness_ratio" not in by_name
 
 
 @pytest.mark.slow

@@ -258,6 +258,17 @@ def test_an_angle_needs_its_three_numbers(model):
         less.axial_compliance(gamma_deg=120.0, **MIDDLE)
 
 
+def test_throws_of_several_pins_have_no_angle(model):
+    """Also not where a model holds a ratio, as models did of studies of such throws."""
+    pins = ComplianceModel(
+        responses=model.responses, fixed={**model.fixed, "further_pins.0.angle": 0.5}
+    )
+    asked = {**MIDDLE, "further_pins.0.angle": 0.5}
+    assert pins.axial_compliance(**asked) == model.axial_compliance(**MIDDLE)
+    with refused("gamma_deg"):
+        pins.axial_compliance(gamma_deg=120.0, **asked)
+
+
 @pytest.mark.parametrize("ratio", [0.0, -0.5, [2.0, -0.5, 1.0]])
 @pytest.mark.parametrize("gamma", [0.0, 90.0])
 def test_a_ratio_of_stiffnesses_is_positive(ratio, gamma):

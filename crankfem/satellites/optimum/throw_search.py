@@ -34,6 +34,7 @@ from geometry.any_throw import with_dimensions
 from geometry.boundary_motion import STEP
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import changed_record
+from regression.models.angle import SEVERAL_PINS
 from regression.models.family import Family
 from regression.models.lookup import Lookup
 from regression.optimum import (
@@ -51,7 +52,7 @@ from regression.optimum import (
     polished,
     search_space,
 )
-from regression.response_kinds import ANGLE_LAWS
+from regression.response_kinds import ANGLE_LAWS, TILT_RATIO
 from regression.throw_values import check_dimension, field_unit, same_dimension, throw_values
 
 Factors = Mapping[str, float]
@@ -176,6 +177,8 @@ class _Beside:
 
     def band(self, name: str, gamma_deg: float | None = None) -> tuple[Any, ...]:
         if gamma_deg is not None and name in ANGLE_LAWS:
+            if TILT_RATIO not in self.local.here.values:
+                raise InputError(SEVERAL_PINS)
             return angle_band(self, ANGLE_LAWS[name], gamma_deg)
         known = {**self.local.model.family.fixed, **self.factors}
         if name in known:
