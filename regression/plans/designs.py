@@ -12,6 +12,7 @@ from crankbase.array_checks import Array, Flags, Integers
 from crankbase.errors import InputError
 from crankbase.even_points import centered_discrepancy, latin_hypercube, sobol_sequence
 from crankbase.results import Number, Quantity, Result, result
+from crankbase.sentences import kept
 from crankbase.summaries import frozen
 from regression.plans.factors import Factor, rounded
 
@@ -528,10 +529,11 @@ def check_ranges(factors: Sequence[Factor], kind: str) -> None:
     """Refuse levels between the ends for a design that has values of its own (`InputError`)."""
     for factor in factors:
         if not factor.labels and not _ends_only(factor):
+            ends = [kept(factor.format_value(end)) for end in (factor.lowest, factor.highest)]
             raise InputError(
                 f"study.factors.{factor.name}: given {len(factor.levels or ())} levels; allowed with "
-                f'the design {kind!r} is a range, like {{ from = "{factor.format_value(factor.lowest)}", '
-                f'to = "{factor.format_value(factor.highest)}" }}, because it takes its own values there.'
+                f'the design {kind!r} is a range, like {{ from = "{ends[0]}", to = "{ends[1]}" }}, because '
+                "it takes its own values there."
             )
 
 
@@ -638,8 +640,8 @@ def _rows(factors: Sequence[Factor], choice: DesignChoice) -> Design:
         for factor, value in zip(factors, row, strict=True):
             if not factor.lowest <= value <= factor.highest:
                 raise InputError(
-                    f"study.file: given {factor.name} = {factor.format_value(value)} in row {place}; allowed "
-                    f"is the factor's range, {factor.range_text}."
+                    f"study.file: given {factor.name} = {kept(factor.format_value(value))} in row {place}; "
+                    f"allowed is the factor's range, {kept(factor.range_text)}."
                 )
     _check_size(len(choice.rows))
     return Design(np.array(choice.rows), _file_statement(len(choice.rows)))

@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.choices import check_choice, did_you_mean, is_number, whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.sentences import amount
+from crankbase.sentences import amount, finished, joined, kept
 from crankbase.summaries import frozen
 from geometry.throw import CrankThrow
 
@@ -70,7 +70,7 @@ class Factor:
             self._check_levels(name, self.levels)
         if not self.lowest < self.highest:
             raise InputError(
-                f"{name}: given the range {self.range_text}; the "
+                f"{name}: given the range {kept(self.range_text)}; the "
                 "lowest value must lie below the highest, or the factor does not vary."
             )
 
@@ -89,7 +89,7 @@ class Factor:
         if min(levels) < self.lowest or max(levels) > self.highest:
             raise InputError(
                 f"{name}: given levels {', '.join(map(self.format_value, levels))}; allowed "
-                f"are levels within the range {self.range_text}."
+                f"are levels within the range {kept(self.range_text)}."
             )
 
     @classmethod
@@ -129,8 +129,8 @@ class Factor:
         logarithmic = spacing.startswith("log")
         if logarithmic and lowest <= 0.0:
             raise InputError(
-                f"{field}.from: given {plain.format_value(lowest)}; allowed is more than 0 with spacing "
-                f"{spacing!r}, because zero has no logarithm."
+                f"{field}.from: given {kept(plain.format_value(lowest))}; allowed is more than 0 with "
+                f"spacing {spacing!r}, because zero has no logarithm."
             )
         ends = np.log([lowest, highest]) if logarithmic else np.array([lowest, highest])
         place = np.linspace(0.0, 1.0, levels)
@@ -144,17 +144,17 @@ class Factor:
 
     @property
     def range_text(self) -> str:
-        """Range for a text, in the field's usual unit; of a choice its labels."""
-        ends = f"{self.format_value(self.lowest)} to {self.format_value(self.highest)}"
-        return ", ".join(self.labels) or ends
+        """Range in the field's usual unit; of a choice its labels."""
+        ends = map(self.format_value, (self.lowest, self.highest))
+        return ", ".join(self.labels) or finished(joined(" to ", ends))
 
     def setting(self, value: float) -> float | str:
         """Return one of the factor's values as people give it: of a choice its label."""
         return self.labels[round(value)] if self.labels else value
 
     def format_value(self, value: float) -> str:
-        """Write one of the factor's values into a text."""
-        return self.labels[round(value)] if self.labels else amount(value, self.unit)
+        """Format one of the factor's values for display."""
+        return self.labels[round(value)] if self.labels else finished(amount(value, self.unit))
 
 
 def rounded(value: float) -> float:

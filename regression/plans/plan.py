@@ -11,6 +11,7 @@ from crankbase.array_checks import Array, Flags
 from crankbase.choices import check_choice, whole_number
 from crankbase.errors import InputError
 from crankbase.results import Quantity, Result, result
+from crankbase.sentences import kept
 from crankbase.summaries import frozen
 from crankbase.units import is_unit
 from fem.material import STEEL, Material
@@ -243,7 +244,7 @@ def _check_factor(
     if entry is not None:
         unfit = next((label for label in factor.labels if label not in entry.choices), None)
         if unfit is not None or bool(factor.labels) != bool(entry.choices):
-            chosen = unfit or factor.range_text
+            chosen = unfit or kept(factor.range_text)
             allowed = ", ".join(entry.choices) or f"a range or levels in {entry.unit or 'no unit'}"
             raise InputError(f"{name}: given {chosen}; allowed is {allowed}.")
         if factor.unit != entry.unit:

@@ -15,6 +15,7 @@ from crankbase.exported_table import separator_of, with_points
 from crankbase.input_file import LARGEST_TABLE_FILE, check_file_size
 from crankbase.outputs import atomic_file
 from crankbase.results import Result, result
+from crankbase.sentences import kept
 from crankbase.written_quantity import parse_quantity
 from fem.response_table import RESPONSES
 from geometry.throw import CrankThrow
@@ -625,10 +626,10 @@ class _RowReader:
         value = cells["field"].get(factor.name, cells["factor"].get(factor.name))
         if value is None or is_in_range(factor, value):
             return
-        shown = value if factor.labels else factor.format_value(value)
+        shown = value if factor.labels else kept(factor.format_value(value))
         raise InputError(
-            f"{headers[factor.name]}: given {shown}; allowed is {factor.range_text}, the study's own range, "
-            f"in a line that is fitted or held out, or the role '{MEASURED}'."
+            f"{headers[factor.name]}: given {shown}; allowed is {kept(factor.range_text)}, the study's own "
+            f"range, in a line that is fitted or held out, or the role '{MEASURED}'."
         )
 
     def _check_field(self, where: str, name: str, value: Any, throw: Mapping[str, Any]) -> None:

@@ -16,6 +16,7 @@ from crankbase.errors import InputError
 from crankbase.input_file import not_a_file
 from crankbase.memory import check_memory, free_memory
 from crankbase.results import Quantity, Result, result
+from crankbase.sentences import kept
 from fem.analysis import predicted_unknowns, solving_memory
 from geometry.mesh import MESHING_MEMORY
 from geometry.mesher import expected_unknowns
@@ -375,7 +376,7 @@ def _study_choice_text(
         plan = StudyPlan.from_record(record)
         roles = [role for role, _, _ in results.study_designs(plan.key)]
         factors = [
-            f"{factor.name} {' or '.join(factor.labels) or factor.range_text}"
+            f"{factor.name} {' or '.join(factor.labels) or kept(factor.range_text)}"
             for factor in plan.factors
         ]
         runs = f"{plan.design.kind} of {roles.count(RUN)} runs"

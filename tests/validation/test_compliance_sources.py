@@ -12,6 +12,7 @@ the table of docs/formulas.md.
 
 from functools import cache
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -19,8 +20,10 @@ import pytest
 import crankfem as cf
 from comparing import close
 from crankbase.errors import InputError
+from crankbase.sentences import finished
 from crankfem.analyses.shaft.sources import analyzed_throws, source_spread
 from crankfem.analyses.study.nominal_throw import outside_study
+from fem.analysis import ThrowAnalysis
 from fitted_models import THICK, THIN, UNITS, known_model
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
@@ -209,7 +212,9 @@ def test_a_study_of_other_throws_is_told_before_it_runs(plain):
     assert outside_study(plan(0.070, THICK)).startswith("web_thickness: given 68 mm; the range")
     broken = outside_study(plan(THIN, THICK, constraints=("web_thickness > 0.07 m",)))
     assert "the constraint 'web_thickness > 0.07 m' is broken" in broken
-    other = outside_study(plan(THIN, THICK, relations={"pin_length": "2 * web_thickness"}))
+    other = finished(
+        outside_study(plan(THIN, THICK, relations={"pin_length": "2 * web_thickness"}))
+    )
     assert other.startswith("pin_length: given 139 mm, not 136 mm")
 
 
@@ -237,7 +242,7 @@ def test_a_formulas_error_is_its_spread_beside_finite_elements(figure, named, pr
     )
     own = one.axial[1] if kind == "axial" else one.torsional
     shaft = SimpleNamespace(axial=np.full(2, own), torsional=np.full(2, own))
-    analyses = {"throw": SimpleNamespace(error_estimate=0.0)}
+    analyses = {"throw": Mock(spec=ThrowAnalysis, error_estimate=0.0)}
     found = source_spread(engine, kind, formula, analyses, shaft, None)
     least, greatest = printed
     figure("softest", found.low, min(1.0, 1.0 / greatest), 0.011)

@@ -9,7 +9,7 @@ import numpy as np
 
 from crankbase.quantity import DISPLAY_UNITS
 from crankbase.results import Internal, Quantity, Result, result
-from crankbase.sentences import finished
+from crankbase.sentences import finished, kept
 from crankbase.table import Column, Main, OutputUnit, Table
 from regression.plans.designs import DesignQuality, design_quality
 from regression.plans.plan import ExcludedDesign, PlannedStudy
@@ -144,7 +144,7 @@ class PlannedDesigns(Result):
         for designs in groups[:MOST_REASONS]:
             first = designs[0]
             values = ", ".join(
-                f"{factor.name} {factor.format_value(value)}"
+                f"{factor.name} {kept(factor.format_value(value))}"
                 for factor, value in zip(self.planned.plan.factors, first.values, strict=True)
             )
             more = f" ({len(designs) - 1} more alike)" if len(designs) > 1 else ""

@@ -14,7 +14,7 @@ from crankbase.errors import InputError
 from crankbase.frames import Axes
 from crankbase.frames import table as frame
 from crankbase.results import Internal, Number, Quantity, Result, result
-from crankbase.sentences import finished
+from crankbase.sentences import finished, kept
 from fem.response_table import RESPONSES
 from regression.fits.equation_text import term_effects
 from regression.fits.fit import Fit
@@ -499,7 +499,7 @@ def _named_slopes(table: StudyTable, doubted: Sequence[tuple[int, int]]) -> tupl
             continue
         for run in runs:
             settings = (
-                f"{varied.name} {varied.format_value(value)}"
+                f"{varied.name} {kept(varied.format_value(value))}"
                 for varied, value in zip(factors, values[run].tolist(), strict=True)
             )
             texts.append(finished(f"over {factor.name} at {', '.join(settings)}"))
