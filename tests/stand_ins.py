@@ -7,6 +7,7 @@ import sys
 import time
 from functools import cache
 from pathlib import Path
+from unittest.mock import Mock
 
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
@@ -16,7 +17,7 @@ from crankbase.errors import MissingLibraryError
 from crankfem.analyses.run_results import RunResults
 from crankfem.analyses.vibration.run import engine_vibration
 from fem import fillet_stress
-from fem.analysis import analyze_throw
+from fem.analysis import ThrowAnalysis, analyze_throw
 from fem.modes import dynamic_superelement
 from satellite_cases import of_satellites
 
@@ -28,6 +29,11 @@ analyzed = cache(analyze_throw)
 stressed = cache(fillet_stress.fillet_stresses)
 condensed = {}  # by mesh and frequency, beside the mesh, which has no hash
 vibrations = {}  # by the engine's file and whether with the whole crankshaft
+
+
+def analysis_with(**fields):
+    """A throw's analysis that has these fields alone."""
+    return Mock(spec=ThrowAnalysis, **fields)
 
 
 def condensed_once(mesh, material, classes, highest_frequency, **options):

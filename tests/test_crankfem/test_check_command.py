@@ -45,6 +45,7 @@ from crankfem.files.engine.usual_sizes import SHARP
 from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import read_toml
 from crankfem.jobs.run_computation import read_inputs
+from stand_ins import analysis_with
 from strategies.engine_changes import WHOLE, changed_engines
 
 ENGINES = Path(__file__).resolve().parents[2] / "data" / "engines"
@@ -398,7 +399,7 @@ def cheap_part(path):
     with pytest.raises(ReachedError):
         vibration_run.engine_vibration(engine)
     masses = SimpleNamespace(inertia_about_shaft=1.0)
-    shaft_surroundings(engine, dict.fromkeys(engine.named_throws, SimpleNamespace(masses=masses)))
+    shaft_surroundings(engine, dict.fromkeys(engine.named_throws, analysis_with(masses=masses)))
     compared_quantities(engine)
     assert rule_of(engine.engine)
     if engine.ranges is not None:

@@ -5,7 +5,6 @@ import re
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -63,7 +62,7 @@ from dynamics.crankshaft.surroundings import (
     ShaftThrow,
 )
 from dynamics.response.series import OrderSeries
-from fem.analysis import ThrowAnalysis
+from stand_ins import analysis_with
 
 
 @pytest.fixture(scope="module", params=["6chn25-34", "8chn13-14"])
@@ -499,7 +498,7 @@ def around(text="[gas]\n", name="6chn25-34", tmp_path=None):
             input_path(name).read_text(encoding="utf-8").replace("[gas]\n", text), encoding="utf-8"
         )
         engine = load_engine(path)
-    analysis = Mock(spec=ThrowAnalysis, masses=SimpleNamespace(inertia_about_shaft=5.0))
+    analysis = analysis_with(masses=SimpleNamespace(inertia_about_shaft=5.0))
     return engine, *shaft_surroundings(engine, analysis)
 
 
@@ -647,7 +646,7 @@ def test_what_stands_at_the_ends_may_be_given_whole():
         flywheel={"diametral_inertia": 300.0, "overhang": 0.1},
         free_end={"mass": 40.0, "diametral_inertia": 3.0},
     )
-    analysis = Mock(spec=ThrowAnalysis, masses=SimpleNamespace(inertia_about_shaft=5.0))
+    analysis = analysis_with(masses=SimpleNamespace(inertia_about_shaft=5.0))
     found, remarks = shaft_surroundings(engine, analysis)
     assert (found.flywheel.diametral, found.flywheel.overhang) == (300.0, 0.1)
     assert (found.free_end.mass, found.free_end.diametral) == (40.0, 3.0)

@@ -12,7 +12,6 @@ the table of docs/formulas.md.
 
 from functools import cache
 from types import SimpleNamespace
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -23,10 +22,10 @@ from crankbase.errors import InputError
 from crankbase.sentences import finished
 from crankfem.analyses.shaft.sources import analyzed_throws, source_spread
 from crankfem.analyses.study.nominal_throw import outside_study
-from fem.analysis import ThrowAnalysis
 from fitted_models import THICK, THIN, UNITS, known_model
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
+from stand_ins import analysis_with
 
 pytestmark = pytest.mark.slow
 
@@ -242,7 +241,7 @@ def test_a_formulas_error_is_its_spread_beside_finite_elements(figure, named, pr
     )
     own = one.axial[1] if kind == "axial" else one.torsional
     shaft = SimpleNamespace(axial=np.full(2, own), torsional=np.full(2, own))
-    analyses = {"throw": Mock(spec=ThrowAnalysis, error_estimate=0.0)}
+    analyses = {"throw": analysis_with(error_estimate=0.0)}
     found = source_spread(engine, kind, formula, analyses, shaft, None)
     least, greatest = printed
     figure("softest", found.low, min(1.0, 1.0 / greatest), 0.011)
