@@ -83,12 +83,12 @@ class Factor:
             )
         if number != len(levels):
             raise InputError(
-                f"{name}: given {', '.join(map(self.format_value, levels))}; each level is allowed once, "
+                f"{name}: given {joined(', ', map(self.format_value, levels))}; each level is allowed once, "
                 "because repeated finite element runs give the same result."
             )
         if min(levels) < self.lowest or max(levels) > self.highest:
             raise InputError(
-                f"{name}: given levels {', '.join(map(self.format_value, levels))}; allowed "
+                f"{name}: given levels {joined(', ', map(self.format_value, levels))}; allowed "
                 f"are levels within the range {kept(self.range_text)}."
             )
 
