@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from crankfem.files.engine.engine_file import load_engine
+from crankfem.satellites.optimum import throw_search
 from crankfem.satellites.optimum.frequencies import engine_frequencies
 from crankfem.satellites.optimum.searches import parse_range
 from crankfem.satellites.optimum.throw_search import (
@@ -21,6 +23,7 @@ from crankfem.satellites.optimum.throw_search import (
     best_throw,
 )
 from fem.analysis import analyze_throw
+from refusals import refused
 from regression.optimum import Limit, Problem, search_space
 
 ENGINE = load_engine("6chn25-34")
@@ -240,3 +243,10 @@ def test_an_interrupt_brings_the_best_throw_so_far():
     with pytest.raises(SearchInterrupted) as stopped:
         best_throw(ENGINE, RANGES, "mass", [limit], step=interrupt, accuracy=0.05)
     assert stopped.value.best is None
+
+
+def test_throws_of_several_pins_have_no_angle():
+    """Their analyses have no tilt stiffness ratio, from which the law of the angle would follow."""
+    analyzed = SimpleNamespace(here=SimpleNamespace(values={"axial_compliance_in_line": 1e-9}))
+    with refused("gamma_deg"):
+        throw_search._Beside(analyzed, {}).band("axial_compliance", 60.0)
